@@ -14,17 +14,16 @@ namespace {
 constexpr Eigen::Index kDraws = 4'000'000;  // drawn rows for the intervals of one output
 
 // The mean of an output over the seeds, a row of the design per row; NaN if a seed has no value.
-Eigen::MatrixXd design(const StudyNumbers& numbers, std::size_t candidate,
+Eigen::MatrixXd design(const StudyNumbers& numbers, Eigen::Index rows, std::size_t candidate,
                        const std::vector<double>& output) {
-  const auto rows = static_cast<Eigen::Index>(numbers.blocks);
-  const auto columns = static_cast<Eigen::Index>(numbers.keys.size()) + 2;
+  const auto columns = static_cast<Eigen::Index>(numbers.keys.size()) + 2;  // A, AB⁽¹⁾ … B
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(rows, columns);
   Eigen::MatrixXd seeds = Eigen::MatrixXd::Zero(rows, columns);
   for (std::size_t i = 0; i < numbers.runs.size(); ++i) {
     const StudyRun& run = numbers.runs[i];
     if (run.candidate != candidate) continue;
-    sum(run.block, run.in_block) += output[i];
-    seeds(run.block, run.in_block) += 1.0;
+    sum(run.sample / columns, run.sample % columns) += output[i];
+    seeds(run.sample / columns, run.sample % columns) += 1.0;
   }
   return sum.cwiseQuotient(seeds);  // 0/0: no runs
 }
@@ -77,13 +76,15 @@ std::vector<RunGroup> grouped(const StudyNumbers& numbers, const std::vector<dou
 std::vector<ResultRow> study_indices(const StudyNumbers& numbers,
                                      const std::vector<std::string>& labels) {
   BootstrapSettings bootstrap;
-  const auto rows_of_design = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(numbers.blocks));
+  const auto rows_of_design =
+      static_cast<Eigen::Index>(numbers.keys.front().values.size() / (numbers.keys.size() + 2));
   bootstrap.replicates =
       static_cast<int>(std::clamp<Eigen::Index>(kDraws / rows_of_design, 200, 1000));
   std::vector<ResultRow> rows;
   const auto add = [&](const std::string& output, const std::vector<double>& values) {
     for (std::size_t c = 0; c < labels.size(); ++c) {
-      const SensitivityIndices indices = sensitivity_indices(design(numbers, c, values), bootstrap);
+      const SensitivityIndices indices =
+          sensitivity_indices(design(numbers, rows_of_design, c, values), bootstrap);
       for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
         ResultRow& row = rows.emplace_back();
         row.put("candidate", labels[c]);

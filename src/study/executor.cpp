@@ -141,6 +141,18 @@ std::size_t most_points_of_a_child() {
   return start_copy == nullptr ? 1000 : 1;
 }
 
+// Raises the limit of open files to the system's maximum: each thread and each child process needs
+// some.
+void allow_many_files() {
+  static std::once_flag is_allowed;
+  std::call_once(is_allowed, [] {
+    rlimit limit = {};
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+  });
+}
+
 // The state that all threads of run_isolated() share. Each thread has one child at a time.
 class Children {
  public:
@@ -250,16 +262,6 @@ class Children {
 };
 
 }  // namespace
-
-void allow_many_files() {
-  static std::once_flag is_allowed;
-  std::call_once(is_allowed, [] {
-    rlimit limit = {};
-    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-    limit.rlim_cur = limit.rlim_max;
-    setrlimit(RLIMIT_NOFILE, &limit);
-  });
-}
 
 PointResult run_point(std::size_t point, const PointSource& source, const RunControl& control) {
   KnownModels known;

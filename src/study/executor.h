@@ -56,10 +56,6 @@ struct ExecutorOptions {
 std::size_t run_points(const std::vector<std::size_t>& points, const PointSource& source,
                        Shard& shard, const ExecutorOptions& options);
 
-/// Raises the limit of open files to the system's maximum: each thread and each child process needs
-/// some.
-void allow_many_files();
-
 /// Runs one point and writes its folder if the source wants one.
 PointResult run_point(std::size_t point, const PointSource& source, const RunControl& control);
 

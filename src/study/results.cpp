@@ -79,18 +79,13 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index) {
       numbers.keys[k].values.push_back(key_number(numbers.keys[k], point.values[k]));
     }
   }
-  const std::size_t block_size =
-      plan.study().method == Method::saltelli ? numbers.keys.size() + 2 : 1;
   std::map<std::pair<PointStatus, std::string>, FailureKind> failures;
   std::unordered_map<std::string, std::size_t> column_of;
   for (std::size_t number = 0; number < index.points(); ++number) {
     if (!index.has(number)) continue;
     const PointResult result = index.read(number);
-    const std::size_t sample = number / points_of_a_sample;
     const StudyRun run = {.number = number,
-                          .sample = static_cast<std::uint32_t>(sample),
-                          .block = static_cast<std::uint32_t>(sample / block_size),
-                          .in_block = static_cast<std::uint32_t>(sample % block_size),
+                          .sample = static_cast<std::uint32_t>(number / points_of_a_sample),
                           .candidate = static_cast<std::uint32_t>(number % candidates),
                           .failed = result.status != PointStatus::complete,
                           .outcome = outcome_of(result)};
@@ -104,7 +99,6 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index) {
       ++kind.of_candidate[run.candidate];
       if (kind.first.size() < kPointsOfAKind) kind.first.push_back(number);
     }
-    numbers.blocks = run.block + 1;  // points ascend
     numbers.runs.push_back(run);
     for (const auto& [name, value] : result.metrics) {
       const auto [found, is_new] = column_of.emplace(name, numbers.metrics.size());

@@ -16,10 +16,8 @@ namespace breakwater {
 
 /// One finished run of a study.
 struct StudyRun {
-  std::size_t number = 0;      ///< number of the point
-  std::uint32_t sample = 0;    ///< that of the plan, index into StudyKey::values
-  std::uint32_t block = 0;     ///< saltelli design: its row; others: the sample
-  std::uint32_t in_block = 0;  ///< saltelli design: its column A, AB⁽¹⁾ … B; others: 0
+  std::size_t number = 0;    ///< number of the point
+  std::uint32_t sample = 0;  ///< that of the plan, index into StudyKey::values
   std::uint32_t candidate = 0;
   bool failed = false;      ///< not complete, for any reason
   std::size_t outcome = 0;  ///< equal for runs with equal states and metrics, or equal failures
@@ -40,7 +38,6 @@ struct StudyNumbers {
   std::vector<StudyRun> runs;                ///< in the order of the points
   std::vector<std::string> metrics;          ///< in the order in which the points first have them
   std::vector<std::vector<double>> columns;  ///< for each metric, by run; NaN: not measured
-  std::size_t blocks = 0;                    ///< 1 + the largest of the runs
   std::vector<FailureKind> failures;         ///< most runs first
 };
 

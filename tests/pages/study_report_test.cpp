@@ -251,7 +251,6 @@ TEST(StudyIndices, MatchALinearOutputAndItsFailures) {
     if (a < 0.25) fail(result, "low");
   });
   StudyNumbers numbers = folder.numbers();
-  ASSERT_EQ(numbers.blocks, 4096U);
   const std::vector<ResultRow> all = study_indices(numbers, {"idob"});
   ASSERT_EQ(all.size(), 6U);
   EXPECT_EQ(all[3].at("output"), kFailedOutput);
