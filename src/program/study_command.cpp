@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <csignal>
 #include <memory>
-#include <stdexcept>
 
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/all_cores.h>

@@ -5,16 +5,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
-#include <cstddef>
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <optional>
-#include <stdexcept>
-#include <string>
 #include <unordered_set>
-#include <vector>
 
 #include <breakwater/config/config.h>
 #include <breakwater/pages/study_report.h>

@@ -4,14 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <filesystem>
 #include <set>
 #include <sstream>
-#include <stdexcept>
 #include <utility>
 
-#include <breakwater/cluster/slurm.h>
-#include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
 #include <breakwater/study/study.h>
 

@@ -5,18 +5,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
-#include <cstddef>
-#include <filesystem>
-#include <map>
-#include <optional>
 #include <set>
-#include <stdexcept>
-#include <string>
 #include <utility>
-#include <vector>
 
-#include <breakwater/cluster/slurm.h>
-#include <breakwater/config/toml_file.h>
 #include <breakwater/pages/study_report.h>
 #include <breakwater/program/study_command.h>
 #include <breakwater/record/partial_file.h>
@@ -26,7 +17,6 @@
 #include <breakwater/shell/table.h>
 #include <breakwater/signals/input_file.h>
 #include <breakwater/study/shards.h>
-#include <breakwater/study/study_folder.h>
 #include <breakwater/study/study_reader.h>
 
 namespace breakwater {

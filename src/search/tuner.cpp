@@ -4,7 +4,6 @@
 #include <cmath>
 #include <mutex>
 #include <stdexcept>
-#include <string>
 
 #include <breakwater/search/search.h>
 

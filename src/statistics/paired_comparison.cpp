@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <set>
-#include <utility>
 
 #include <breakwater/statistics/quantile.h>
 #include <breakwater/statistics/signed_rank.h>

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <ranges>
 #include <utility>
-#include <vector>
 
 #include <breakwater/config/names.h>
 #include <breakwater/config/toml_text.h>

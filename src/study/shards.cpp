@@ -9,11 +9,8 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
-#include <fstream>
-#include <optional>
 #include <stdexcept>
 #include <string_view>
-#include <utility>
 
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/partial_file.h>

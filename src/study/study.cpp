@@ -7,8 +7,6 @@
 #include <cmath>
 #include <set>
 #include <stdexcept>
-#include <utility>
-#include <vector>
 
 #include <breakwater/config/fields.h>
 #include <breakwater/config/toml_file.h>
