@@ -126,15 +126,16 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result) {
   FrontTable table;
   table.columns = {"case", tuning.has_front() ? "front" : "place", "evaluation"};
   for (const TunedCase& tuned : tuning.cases) add_new(tuned.search, table.columns);
-  const auto add = [&](const std::string& name) {
+  std::vector<std::string> measured;
+  for (const Objective& one : tuning.objectives) measured.push_back(one.metric);
+  for (const Constraint& one : tuning.constraints) measured.push_back(one.metric + "_constraint");
+  for (const std::string& name : measured) {
     table.columns.push_back(name);
-    if (!tuning.validation) return;
+    if (!tuning.validation) continue;
     for (const char* end : {"_fresh", "_fresh_lower", "_fresh_upper"}) {
       table.columns.push_back(name + end);
     }
-  };
-  for (const Objective& one : tuning.objectives) add(one.metric);
-  for (const Constraint& one : tuning.constraints) add(one.metric + "_constraint");
+  }
   if (tuning.validation) {
     table.columns.emplace_back("fresh_failures");
     if (!tuning.constraints.empty()) table.columns.emplace_back("fresh_violation");
@@ -170,13 +171,9 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result) {
       cells.put("evaluation", std::to_string(point.evaluation));
       put_values(plan, c, point.evaluation, cells);
       const auto put_all = [&](const Evaluation& evaluation, const std::string& end) {
-        if (evaluation.failures > 0) return;
-        for (std::size_t i = 0; i < tuning.objectives.size(); ++i) {
-          cells.put(tuning.objectives[i].metric + end, evaluation.objectives[i]);
-        }
-        for (std::size_t i = 0; i < tuning.constraints.size(); ++i) {
-          cells.put(tuning.constraints[i].metric + "_constraint" + end, evaluation.constraints[i]);
-        }
+        std::vector<EstimatedValue> values = evaluation.objectives;  // none after a failure
+        values.insert(values.end(), evaluation.constraints.begin(), evaluation.constraints.end());
+        for (std::size_t i = 0; i < values.size(); ++i) cells.put(measured[i] + end, values[i]);
       };
       put_all(point.tuned, "");
       if (point.fresh) {

@@ -32,12 +32,7 @@ struct FrontTable {
   std::optional<Ranking> ranking;
 };
 
-/// Columns: `case`, `front` (its number, or with one objective `place` in the ranking),
-/// `evaluation`, every searched key, and METRIC of each objective as tuned. A validation adds
-/// METRIC_fresh, METRIC_fresh_lower and METRIC_fresh_upper. Constraints have the same columns as
-/// METRIC_constraint…. Then come `fresh_failures`, `fresh_violation` (how far fresh constraints are
-/// beyond their bounds, relative to these; 0: all hold), and with one objective `at_bound`. Cells
-/// that do not apply are empty.
+/// docs/how-to/tuning.md says what the columns are. Cells that do not apply are empty.
 FrontTable front_table(const TuningPlan& plan, const TuningResult& result);
 
 /// Writes results.csv, and front.csv and front/N.toml. With one objective there
