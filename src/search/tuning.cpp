@@ -105,15 +105,16 @@ void read_cases(const TomlEntry& root, Tuning& tuning) {
 void read_validation(const TomlEntry& table, Tuning& tuning) {
   if (!table) return;
   table.allow({"seeds", "world", "points"});
-  Worlds worlds = tuning.worlds;
-  if (const TomlEntry seeds = table["seeds"]) worlds.seeds = read_seeds(seeds);
-  if (const TomlEntry world = table["world"]) worlds.keys = read_world(world);
-  if (!table["seeds"] && !table["world"]) {
+  const TomlEntry seeds = table["seeds"], world = table["world"];
+  const Study& own = tuning.worlds.study();
+  Plan worlds = worlds_of(seeds ? read_seeds(seeds) : own.seeds,
+                          world ? read_world(world) : own.vary, own.method == Method::list);
+  if (!seeds && !world) {
     table.fail("needs seeds or a world that the tuning does not have");
   }
   for (std::size_t i = 0; i < worlds.size(); ++i) {
     for (std::size_t k = 0; k < tuning.worlds.size(); ++k) {
-      if (worlds.sets(i) == tuning.worlds.sets(k)) {
+      if (worlds.point(i).sets == tuning.worlds.point(k).sets) {
         table.fail("has a world that the tuning has too");
       }
     }
@@ -128,9 +129,9 @@ void read_validation(const TomlEntry& table, Tuning& tuning) {
 }
 
 void check_fits(const TomlEntry& root, const Tuning& tuning) {
-  std::vector<const Worlds*> all = {&tuning.worlds};
-  if (tuning.validation) all.push_back(&*tuning.validation);
-  for (const Worlds* worlds : all) check_seeds(tuning.sets, worlds->seeds, tuning.places);
+  std::vector<const Study*> all = {&tuning.worlds.study()};
+  if (tuning.validation) all.push_back(&tuning.validation->study());
+  for (const Study* worlds : all) check_seeds(tuning.sets, worlds->seeds, tuning.places);
   for (const TunedCase& tuned : tuning.cases) {
     const std::string reason = objection(tuning.settings(tuned));
     const char* key = reason.find("budget") != std::string::npos       ? "budget"
@@ -138,9 +139,9 @@ void check_fits(const TomlEntry& root, const Tuning& tuning) {
                                                                        : "algorithm";
     if (!reason.empty()) root[key].fail(reason);
     check_keys(tuned.search, tuning.sets, "searched");
-    for (const Worlds* worlds : all) {
-      check_keys(worlds->keys, tuning.sets, "varied", worlds->is_list);
-      for (const VariedKey& varied : worlds->keys) {
+    for (const Study* worlds : all) {
+      check_keys(worlds->vary, tuning.sets, "varied", worlds->method == Method::list);
+      for (const VariedKey& varied : worlds->vary) {
         if (!has_key(tuned.search, varied)) continue;
         throw std::invalid_argument(varied.place + ": is searched too");
       }
@@ -171,24 +172,13 @@ double gathered(std::vector<double> values, Over over, bool large_is_bad) {
   throw std::logic_error("no such rule");
 }
 
-std::size_t Worlds::size() const {
-  return std::max<std::size_t>(1, seeds.size()) *
-         static_cast<std::size_t>(combinations(keys, is_list));
-}
-
-std::vector<std::string> Worlds::values(std::size_t i) const {
-  const std::size_t count = std::max<std::size_t>(1, seeds.size());
-  std::vector<std::string> all = combination(keys, i / count, is_list);
-  all.insert(all.begin(), seeds.empty() ? "" : std::to_string(seeds[i % count]));
-  return all;
-}
-
-std::vector<std::string> Worlds::sets(std::size_t i) const {
-  const std::vector<std::string> all = values(i);
-  std::vector<std::string> sets;
-  for (std::size_t k = 0; k < keys.size(); ++k) sets.push_back(keys[k].key + "=" + all[k + 1]);
-  if (!seeds.empty()) sets.push_back("run.seed=" + all[0]);
-  return sets;
+Plan worlds_of(std::vector<std::uint64_t> seeds, std::vector<VariedKey> keys, bool is_list) {
+  Study study;
+  study.method = is_list ? Method::list : Method::grid;
+  study.seeds = std::move(seeds);
+  study.vary = std::move(keys);
+  study.cases = {""};
+  return Plan(std::move(study));
 }
 
 SearchSettings Tuning::settings(const TunedCase& tuned) const {
@@ -218,9 +208,9 @@ Tuning read_tuning(const toml::table& tables, const std::string& file) {
     tuning.sampling_seed =
         static_cast<std::uint32_t>(seed.whole(0, std::numeric_limits<std::uint32_t>::max()));
   }
-  tuning.worlds.seeds = read_seeds(root["seeds"]);
-  root["worlds"].choice<bool>({{"grid", false}, {"list", true}}, tuning.worlds.is_list);
-  tuning.worlds.keys = read_world(root["world"]);
+  bool is_list = false;
+  root["worlds"].choice<bool>({{"grid", false}, {"list", true}}, is_list);
+  tuning.worlds = worlds_of(read_seeds(root["seeds"]), read_world(root["world"]), is_list);
   read_objectives(root["objective"], tuning);
   read_constraints(root["constraint"], tuning);
   read_cases(root, tuning);
@@ -240,8 +230,8 @@ std::string Tuning::print() const {
   text += fmt::format("algorithm = {}\nbudget = {}\npopulation = {}\nsampling_seed = {}\n",
                       toml_string(name_of(search_algorithms(), algorithm)), budget, population,
                       sampling_seed);
-  text += print_seeds(worlds.seeds);
-  if (worlds.is_list) text += "worlds = \"list\"\n";
+  text += print_seeds(worlds.study().seeds);
+  if (worlds.study().method == Method::list) text += "worlds = \"list\"\n";
   text += print_sets(*this);
   if (is_for_each) {
     for (const TunedCase& tuned : cases) {
@@ -250,7 +240,8 @@ std::string Tuning::print() const {
   } else {
     text += "\n[search]\n" + print_keys(cases.front().search);
   }
-  if (!worlds.keys.empty()) text += "\n[world]\n" + print_keys(worlds.keys);
+  const auto& varied = worlds.study().vary;
+  if (!varied.empty()) text += "\n[world]\n" + print_keys(varied);
   text += "\n[objective]\n";
   for (const Objective& one : objectives) {
     text += fmt::format("{} = {{ goal = {}, over = {} }}\n", toml_string(one.metric),
@@ -265,8 +256,9 @@ std::string Tuning::print() const {
   if (validation) {
     text += "\n[validate]\n";
     if (has_front()) text += fmt::format("points = {}\n", validated_points);
-    text += print_seeds(validation->seeds);
-    if (!validation->keys.empty()) text += "\n[validate.world]\n" + print_keys(validation->keys);
+    text += print_seeds(validation->study().seeds);
+    const auto& fresh = validation->study().vary;
+    if (!fresh.empty()) text += "\n[validate.world]\n" + print_keys(fresh);
   }
   return text;
 }

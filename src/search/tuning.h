@@ -11,7 +11,7 @@
 
 #include <breakwater/config/names.h>
 #include <breakwater/search/search.h>
-#include <breakwater/study/study.h>
+#include <breakwater/study/plan.h>
 
 namespace breakwater {
 
@@ -40,18 +40,9 @@ struct TunedCase {
   std::vector<VariedKey> search;  ///< the keys of [search] and those of the case
 };
 
-/// Test conditions: combinations of values with each random seed.
-struct Worlds {
-  std::vector<std::uint64_t> seeds;  ///< empty: that of the scenario file
-  std::vector<VariedKey> keys;       ///< in a list all have equally many values
-  bool is_list = false;  ///< the first values of all keys, the second, …, not every combination
-
-  std::size_t size() const;
-  /// key=value of test condition i < size(). The seed changes first.
-  std::vector<std::string> sets(std::size_t i) const;
-  /// The seed (or an empty text) and the values as TOML.
-  std::vector<std::string> values(std::size_t i) const;
-};
+/// The test conditions of each candidate: a plan of one case, whose seed changes first. In a list
+/// all keys have equally many values.
+Plan worlds_of(std::vector<std::uint64_t> seeds, std::vector<VariedKey> keys, bool is_list);
 
 struct Tuning : StudyBase {
   SearchAlgorithm algorithm = SearchAlgorithm::nsga2;
@@ -60,10 +51,10 @@ struct Tuning : StudyBase {
   std::uint32_t sampling_seed = 1;
   std::vector<TunedCase> cases;
   bool is_for_each = false;  ///< the cases may have searched keys of their own
-  Worlds worlds;
+  Plan worlds = worlds_of({}, {}, false);
   std::vector<Objective> objectives;
   std::vector<Constraint> constraints;
-  std::optional<Worlds> validation;
+  std::optional<Plan> validation;
   std::size_t validated_points = 0;  ///< maximum per front; 1 without fronts
 
   /// With one objective each case has a best candidate instead of a Pareto front.

@@ -94,23 +94,23 @@ std::string results_csv(const TuningPlan& plan, const TuningResult& result) {
   const Tuning& tuning = plan.tuning();
   std::vector<std::string> keys;
   for (const TunedCase& tuned : tuning.cases) add_new(tuned.search, keys);
-  add_new(tuning.worlds.keys, keys);
-  if (tuning.validation) add_new(tuning.validation->keys, keys);
+  add_new(tuning.worlds.study().vary, keys);
+  if (tuning.validation) add_new(tuning.validation->study().vary, keys);
   std::vector<ResultRow> rows;
   for (const auto& [number, run] : result.runs) {
     const TuningRun one = plan.run(number);
-    const Worlds& worlds = plan.worlds(one.is_validation);
-    const std::vector<std::string> world = worlds.values(one.world);
+    const Plan& worlds = plan.worlds(one.is_validation);
+    const StudyPoint world = worlds.point(one.world);
     ResultRow& cells = rows.emplace_back();
     cells.put("point", run.key);
     cells.put("case", tuning.cases[one.tuned].name);
     cells.put("evaluation", std::to_string(one.evaluation));
     cells.put("use", one.is_validation ? "validate" : "search");
-    cells.put("seed", world[0]);
+    cells.put("seed", world.seed ? std::to_string(*world.seed) : "");
     for (const std::string& key : keys) cells.put(key, "");
     put_values(plan, one.tuned, one.evaluation, cells);
-    for (std::size_t k = 0; k < worlds.keys.size(); ++k) {
-      cells.put(worlds.keys[k].key, plain_text(world[k + 1]));
+    for (std::size_t k = 0; k < world.values.size(); ++k) {
+      cells.put(worlds.study().vary[k].key, plain_text(world.values[k]));
     }
     cells.put("status", name_of(run.status));
     cells.put("state_hash", run.state_hash);

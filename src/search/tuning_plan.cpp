@@ -17,24 +17,24 @@ namespace {
 constexpr double kMostRuns = 1e7;
 
 // A study whose probes cover all values that a case may have.
-Study probed_study(const Tuning& tuning, const TunedCase& tuned, const Worlds& worlds) {
+Study probed_study(const Tuning& tuning, const TunedCase& tuned, const Study& worlds) {
   Study study;
   static_cast<StudyBase&>(study) = tuning;
   study.method = Method::random;
   study.samples = 1;
   study.cases = {tuned.name};
   study.vary = tuned.search;
-  study.vary.insert(study.vary.end(), worlds.keys.begin(), worlds.keys.end());
+  study.vary.insert(study.vary.end(), worlds.vary.begin(), worlds.vary.end());
   if (!worlds.seeds.empty()) study.seeds = {worlds.seeds.front()};
   return study;
 }
 
 // Test conditions whose values may be combined freely. In a list each test condition is alone.
-std::vector<Worlds> probed_at_once(const Worlds& worlds) {
-  if (!worlds.is_list || worlds.keys.empty()) return {worlds};
-  std::vector<Worlds> each(worlds.keys.front().values.size(), worlds);
+std::vector<Study> probed_at_once(const Study& worlds) {
+  if (worlds.method != Method::list || worlds.vary.empty()) return {worlds};
+  std::vector<Study> each(worlds.vary.front().values.size(), worlds);
   for (std::size_t i = 0; i < each.size(); ++i) {
-    for (VariedKey& key : each[i].keys) key.values = {key.values[i]};
+    for (VariedKey& key : each[i].vary) key.values = {key.values[i]};
   }
   return each;
 }
@@ -63,11 +63,11 @@ TuningPlan::TuningPlan(const Catalogue& catalogue, Tuning tuning)
 
 std::vector<std::string> TuningPlan::check() const {
   std::vector<std::string> warnings;
-  const auto check_in = [&](const TunedCase& tuned, const Worlds& worlds) {
+  const auto check_in = [&](const TunedCase& tuned, const Plan& worlds) {
     // A key counts as ineffective only if it is so in all test conditions.
     std::map<std::string, std::size_t> said;
-    const std::vector<Worlds> probed = probed_at_once(worlds);
-    for (const Worlds& some : probed) {
+    const std::vector<Study> probed = probed_at_once(worlds.study());
+    for (const Study& some : probed) {
       for (const std::string& warning :
            Sweep(catalogue_, probed_study(tuning_, tuned, some)).check()) {
         ++said[tuned.name + ": " + warning];
@@ -147,7 +147,8 @@ std::string TuningPlan::config_text(std::size_t tuned, std::size_t evaluation) c
 std::vector<std::string> TuningPlan::sets(std::size_t number) const {
   const TuningRun one = run(number);
   std::vector<std::string> sets = own_sets(one.tuned, values_of(one.tuned, one.evaluation));
-  for (std::string& set : worlds(one.is_validation).sets(one.world)) sets.push_back(std::move(set));
+  const std::vector<std::string> more = worlds(one.is_validation).point(one.world).sets;
+  sets.insert(sets.end(), more.begin(), more.end());
   return sets;
 }
 

@@ -45,7 +45,7 @@ class TuningPlan : public PointSource {
   std::size_t evaluations() const;
   std::size_t number(const TuningRun& run) const;
   TuningRun run(std::size_t number) const;
-  const Worlds& worlds(bool is_validation) const {
+  const Plan& worlds(bool is_validation) const {
     return is_validation ? *tuning_.validation : tuning_.worlds;
   }
 

@@ -227,13 +227,12 @@ TEST(Evaluation, FreshRunsHaveIntervals) {
 }
 
 TEST(Evaluation, WorldsAreAllCombinations) {
-  Worlds worlds;
-  worlds.seeds = {5, 6};
-  worlds.keys = {{.key = "a", .values = {"1", "2"}}, {.key = "b", .values = {"3"}}};
+  const Plan worlds =
+      worlds_of({5, 6}, {{.key = "a", .values = {"1", "2"}}, {.key = "b", .values = {"3"}}}, false);
   ASSERT_EQ(worlds.size(), 4U);
-  EXPECT_EQ(worlds.sets(1), (std::vector<std::string>{"a=1", "b=3", "run.seed=6"}));
-  EXPECT_EQ(worlds.sets(2), (std::vector<std::string>{"a=2", "b=3", "run.seed=5"}));
-  EXPECT_EQ(Worlds().size(), 1U);
+  EXPECT_EQ(worlds.point(1).sets, (std::vector<std::string>{"a=1", "b=3", "run.seed=6"}));
+  EXPECT_EQ(worlds.point(2).sets, (std::vector<std::string>{"a=2", "b=3", "run.seed=5"}));
+  EXPECT_EQ(Tuning().worlds.size(), 1U);
 }
 
 TEST(Evaluation, AFileRoundTrips) {
@@ -266,7 +265,7 @@ world.w.x = [0.5]
   EXPECT_EQ(read_tuning(parsed(first.print()), "t.toml").print(), first.print());
   EXPECT_EQ(first.worlds.size(), 9U);
   EXPECT_EQ(first.cases[0].name, "a-0.5N");
-  EXPECT_EQ(first.validation->sets(0), (std::vector<std::string>{"w.x=0.5", "run.seed=9"}));
+  EXPECT_EQ(first.validation->point(0).sets, (std::vector<std::string>{"w.x=0.5", "run.seed=9"}));
 }
 
 }  // namespace breakwater::search_test
