@@ -25,7 +25,7 @@ namespace breakwater {
 namespace {
 
 constexpr std::size_t kPointsOfAKind = 5;  // points named per kind of failures
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 // The varied keys without values.
 std::vector<StudyKey> study_keys(const Study& study) {
@@ -107,11 +107,12 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index) {
         numbers.columns.emplace_back();
       }
       std::vector<double>& column = numbers.columns[found->second];
-      column.resize(numbers.runs.size(), kNone);
+      column.resize(numbers.runs.size(), kNotMeasured);
       column.back() = value;
     }
   }
-  for (std::vector<double>& column : numbers.columns) column.resize(numbers.runs.size(), kNone);
+  for (std::vector<double>& column : numbers.columns)
+    column.resize(numbers.runs.size(), kNotMeasured);
   for (const auto& [name, kind] : failures) numbers.failures.push_back(kind);
   std::ranges::stable_sort(numbers.failures, std::ranges::greater(), &FailureKind::runs);
   return numbers;
