@@ -23,7 +23,6 @@
 #include <breakwater/study/ranking_text.h>
 #include <breakwater/study/results.h>
 #include <breakwater/study/study.h>
-#include <breakwater/study/study_comparison.h>
 #include <breakwater/study/study_reader.h>
 #include <breakwater/study/sweep.h>
 

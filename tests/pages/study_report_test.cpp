@@ -6,7 +6,6 @@
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/study_numbers.h>
 #include <breakwater/pages/study_report.h>
-#include <breakwater/study/study_comparison.h>
 #include "catalogue.h"
 #include "tables.h"
 

@@ -4,8 +4,8 @@
 #include <breakwater/config/config.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/study/plan.h>
+#include <breakwater/study/results.h>
 #include <breakwater/study/study.h>
-#include <breakwater/study/study_comparison.h>
 #include <breakwater/study/study_folder.h>
 #include <breakwater/study/sweep.h>
 #include <breakwater/study/value_list.h>
