@@ -15,7 +15,7 @@
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
-#include <breakwater/study/value_list.h>
+#include <breakwater/study/plan.h>
 
 namespace breakwater {
 namespace {

@@ -23,7 +23,7 @@
 #include <breakwater/signals/thread_time.h>
 #include <breakwater/sim/engine_guard.h>
 #include <breakwater/sim/model.h>
-#include <breakwater/study/value_list.h>
+#include <breakwater/study/plan.h>
 
 namespace breakwater {
 namespace {

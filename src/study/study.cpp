@@ -13,7 +13,6 @@
 #include <breakwater/config/toml_text.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/study/study_reader.h>
-#include <breakwater/study/value_list.h>
 
 namespace breakwater {
 namespace {

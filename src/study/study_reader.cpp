@@ -8,17 +8,29 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <regex>
 #include <stdexcept>
 #include <utility>
 
 #include <breakwater/config/config.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
+#include <breakwater/math/functions.h>
 #include <breakwater/shell/did_you_mean.h>
-#include <breakwater/study/value_list.h>
 
 namespace breakwater {
 namespace {
+
+constexpr double kMostValues = 1e7;
+constexpr std::size_t kLongest = 200;  // a regular expression overflows the stack for a long text
+
+// The number of 12 digits next to x, if both differ only by rounding (a few units in the last
+// place).
+double without_rounding(double x) {
+  const double written = *number_in(fmt::format("{:.12g}", x));
+  const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(x);
+  return std::abs(written - x) <= rounding ? written : x;
+}
 
 constexpr std::int64_t kMostSeedsRead = 1'000'000;
 
@@ -252,6 +264,44 @@ void check_keys(const std::vector<VariedKey>& keys, const std::vector<std::strin
                        key.values.size(), keys.front().key, keys.front().values.size()));
     }
   }
+}
+
+bool is_value_list(const std::string& text) {
+  static const std::regex begin(R"(\s*(lin|log)\s*\()");
+  return std::regex_search(text.substr(0, kLongest), begin, std::regex_constants::match_continuous);
+}
+
+std::vector<double> value_list(const std::string& text) {
+  static const std::string number = R"(\s*([^\s,()]+)\s*)";
+  static const std::regex rule(R"(\s*(lin|log)\s*\()" + number + "," + number + "," + number +
+                               R"(\)\s*)");
+  const auto refuse = [&](const std::string& reason) {
+    throw std::invalid_argument("\"" + text + "\" " + reason);
+  };
+  std::smatch parts;
+  if (text.size() > kLongest || !std::regex_match(text, parts, rule)) {
+    refuse("is neither lin(a,b,n) nor log(a,b,n), n values from a to b");
+  }
+  const auto a = number_in(parts[2]), b = number_in(parts[3]), n = number_in(parts[4]);
+  const bool is_log = parts[1] == "log";
+  if (!a || !b || !n) refuse("has something else than three finite numbers");
+  if (*n < 2.0 || *n > kMostValues || *n != std::floor(*n)) {
+    refuse(fmt::format("must be an integer number of values, 2 to {:.0f}", kMostValues));
+  }
+  if (*a > *b) refuse(fmt::format("must rise: {} is above {}", *a, *b));
+  if (*a == *b) refuse("is empty: both ends are the same");
+  if (is_log && *a <= 0.0) refuse("must be positive: it is logarithmic");
+  if (!std::isfinite(is_log ? *b / *a : *b - *a)) refuse("is too wide");
+
+  const auto count = static_cast<std::size_t>(*n);
+  std::vector<double> values(count);
+  for (std::size_t i = 1; i + 1 < count; ++i) {
+    const double share = static_cast<double>(i) / (*n - 1.0);
+    values[i] = without_rounding(is_log ? *a * math::pow(*b / *a, share) : *a + (*b - *a) * share);
+  }
+  values.front() = *a + 0.0;  // a file has no integer -0
+  values.back() = *b + 0.0;
+  return values;
 }
 
 }  // namespace breakwater

@@ -14,9 +14,7 @@
 #include <breakwater/record/process_name.h>
 #include <breakwater/search/tuning.h>
 #include <breakwater/study/shards.h>
-#include <breakwater/study/study.h>
 #include <breakwater/study/study_reader.h>
-#include <breakwater/study/value_list.h>
 #include <breakwater/thesis/experiments.h>
 #include <breakwater/thesis/printed_results.h>
 #include "fuzz/input.h"

@@ -7,8 +7,8 @@
 #include <breakwater/study/results.h>
 #include <breakwater/study/study.h>
 #include <breakwater/study/study_folder.h>
+#include <breakwater/study/study_reader.h>
 #include <breakwater/study/sweep.h>
-#include <breakwater/study/value_list.h>
 #include "support.h"
 #include "tables.h"
 
