@@ -90,7 +90,7 @@ std::vector<ResultRow> study_indices(const StudyNumbers& numbers,
         row.put("output", output);
         row.put("key", numbers.keys[k].name);
         const auto put = [&](const char* column, const std::vector<EstimatedValue>& of_keys) {
-          row.put(column, k < of_keys.size() ? of_keys[k] : EstimatedValue{std::nan("")});
+          row.put(column, k < of_keys.size() ? of_keys[k] : EstimatedValue{});
         };
         put("first_order", indices.first_order);
         put("total", indices.total);

@@ -53,10 +53,7 @@ constexpr std::size_t kMostListedKinds = 30;  // kinds of failures in their tabl
 constexpr std::size_t kMostOfReason = 320;    // letters
 
 std::string shortened(const std::string& text) {
-  if (text.size() <= kMostOfReason) return text;
-  std::size_t end = kMostOfReason;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
-  return text.substr(0, end) + " …";
+  return text.size() <= kMostOfReason ? text : fmt::format("{:.{}} …", text, kMostOfReason);
 }
 
 // The page of one study. All references must outlive it.

@@ -10,8 +10,8 @@
 namespace breakwater {
 
 struct ConfidenceInterval {
-  double lower;
-  double upper;
+  double lower = std::numeric_limits<double>::quiet_NaN();
+  double upper = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// One number from many runs, with a confidence interval if there is one.

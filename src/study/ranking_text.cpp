@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -18,7 +17,6 @@ namespace breakwater {
 namespace {
 
 constexpr std::size_t kMostRows = 18;  // in a terminal's table
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 std::string with_unit(double value, const std::string& metric) {
   const std::string unit = unit_of(metric);
@@ -178,7 +176,7 @@ class Sentence {
 
 // NaN is null in the file.
 nlohmann::ordered_json json_of(const EstimatedValue& one) {
-  const ConfidenceInterval interval = one.interval.value_or(ConfidenceInterval{kNone, kNone});
+  const ConfidenceInterval interval = one.interval.value_or(ConfidenceInterval{});
   return {{"value", one.value}, {"lower", interval.lower}, {"upper", interval.upper}};
 }
 

@@ -21,8 +21,7 @@ void ResultRow::put(const std::string& column, double number) {
 }
 
 void ResultRow::put(const std::string& column, const EstimatedValue& number) {
-  const double none = std::nan("");
-  const ConfidenceInterval interval = number.interval.value_or(ConfidenceInterval{none, none});
+  const ConfidenceInterval interval = number.interval.value_or(ConfidenceInterval{});
   put(column, number.value);
   put(column + "_lower", interval.lower);
   put(column + "_upper", interval.upper);
