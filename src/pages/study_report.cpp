@@ -11,7 +11,6 @@
 
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/page_chart.h>
-#include <breakwater/pages/study_numbers.h>
 #include <breakwater/pictures/staging.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>

@@ -4,7 +4,6 @@
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/saved_run.h>
-#include <breakwater/pages/study_numbers.h>
 #include <breakwater/pages/study_report.h>
 #include "catalogue.h"
 #include "tables.h"
