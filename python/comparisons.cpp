@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
-#include <breakwater/study/ranking_text.h>
+#include <breakwater/study/comparison_table.h>
 #include <breakwater/study/results.h>
 #include "interpreter.h"
 

@@ -16,7 +16,6 @@
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/study/comparison_table.h>
-#include <breakwater/study/ranking_text.h>
 
 namespace breakwater {
 namespace {

@@ -20,7 +20,6 @@
 #include <breakwater/shell/table.h>
 #include <breakwater/statistics/paired_comparison.h>
 #include <breakwater/study/comparison_table.h>
-#include <breakwater/study/ranking_text.h>
 #include <breakwater/study/results.h>
 #include <breakwater/study/study.h>
 #include <breakwater/study/study_reader.h>

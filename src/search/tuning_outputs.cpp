@@ -11,7 +11,7 @@
 #include <breakwater/record/partial_file.h>
 #include <breakwater/search/search.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/study/ranking_text.h>
+#include <breakwater/study/comparison_table.h>
 
 namespace breakwater {
 namespace {

@@ -1,11 +1,13 @@
-// Tables of a comparison of candidates.
+// Comparisons and rankings of candidates, as sentences, tables, rows of CSV files and JSON.
 #pragma once
 
 #include <cstddef>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include <breakwater/statistics/paired_comparison.h>
+#include <breakwater/statistics/ranking.h>
 #include <breakwater/study/result_row.h>
 
 namespace breakwater {
@@ -38,5 +40,20 @@ std::vector<std::string> comparison_notes(const CandidateComparison& comparison)
 
 /// A short summary of the comparison for readers.
 std::string comparison_text(const CandidateComparison& comparison, std::size_t width);
+
+/// "tlsc-2N has the lowest peak_force_N: 5.4 N, 3 N below the next (hpfc-2N), 95 % 2.1 to 3.8 N, in
+/// 8 of 8 conditions." or "No difference in peak_force_N is shown between …: about 14 conditions
+/// would show 0.5 N.", and what the bounds leave out. A condition is a block.
+std::string ranking_sentence(const Ranking& ranking);
+
+/// A header, then a row for each candidate. `behind` is how much worse it is than the first.
+std::vector<std::vector<std::string>> ranking_table(const Ranking& ranking);
+
+/// The question, the sentence, the table, its numbers, and the comparison of each pair.
+nlohmann::ordered_json ranking_json(const Ranking& ranking);
+
+/// The sentence and the table for a terminal. The table has at most 20 lines. Long names are cut in
+/// the middle.
+std::string ranking_text(const Ranking& ranking, std::size_t width);
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-#include <breakwater/study/ranking_text.h>
+#include <breakwater/study/comparison_table.h>
 
 #include <fmt/format.h>
 
@@ -11,7 +11,6 @@
 #include <breakwater/config/unit_of.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/study/comparison_table.h>
 
 namespace breakwater {
 namespace {

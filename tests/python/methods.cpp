@@ -11,7 +11,6 @@
 #include <breakwater/statistics/sensitivity.h>
 #include <breakwater/statistics/signed_rank.h>
 #include <breakwater/study/comparison_table.h>
-#include <breakwater/study/ranking_text.h>
 #include <breakwater/study/sampling.h>
 
 namespace breakwater::python_methods {
