@@ -9,8 +9,6 @@
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/search/search.h>
-#include <breakwater/shell/table.h>
 #include <breakwater/study/comparison_table.h>
 
 namespace breakwater {

@@ -9,7 +9,6 @@
 
 #include <breakwater/config/names.h>
 #include <breakwater/config/unit_of.h>
-#include <breakwater/experiment/saved_run.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {

@@ -16,7 +16,6 @@
 #include <breakwater/record/partial_file.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/shell/process.h>
-#include <breakwater/shell/table.h>
 
 namespace breakwater {
 namespace {

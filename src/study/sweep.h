@@ -10,7 +10,6 @@
 #include <breakwater/experiment/catalogue.h>
 #include <breakwater/study/executor.h>
 #include <breakwater/study/plan.h>
-#include <breakwater/study/shards.h>
 #include <breakwater/study/study_folder.h>
 
 namespace breakwater {
