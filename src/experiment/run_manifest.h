@@ -26,6 +26,7 @@ struct RunManifest {
   ModelHashes models;
   std::vector<AbsentMetric> absent;  ///< without units
   std::vector<std::string> warnings;
+  std::vector<Metric> metrics;  ///< from metrics.json: see read_metrics()
 };
 
 /// Throws std::invalid_argument `FILE: KEY: reason` if the manifest is missing or damaged.

@@ -46,7 +46,6 @@ auto SavedRun::read_log(const Read& read) const {
 }
 
 void SavedRun::read() {
-  metrics_.clear();
   notes_.clear();
   signals_.clear();
   read_.clear();
@@ -76,7 +75,7 @@ void SavedRun::read() {
   config << open_input(folder_ / "config.toml").rdbuf();
   config_text_ = config.str();
   check_file(folder_, "config.toml");
-  if (!failure()) metrics_ = read_metrics(folder_);
+  if (!failure()) manifest_.metrics = read_metrics(folder_);
   const bool is_known = check_file(folder_, "log.h5");
   if (!is_known) {
     const bool is_whole = !manifest_.is_unfinished;
@@ -137,7 +136,7 @@ void SavedRun::check_rows(const std::string& path, const LoggedSignal& data) con
 }
 
 std::optional<double> SavedRun::metric(const std::string& name) const {
-  for (const Metric& metric : metrics_) {
+  for (const Metric& metric : metrics()) {
     if (metric.name == name) return metric.value;
   }
   return std::nullopt;

@@ -34,7 +34,7 @@ class SavedRun {
   const std::string& program() const { return manifest_.program; }
   const ModelHashes& models() const { return manifest_.models; }
   /// In the scenario's order. Each unit is the end of the name.
-  const std::vector<Metric>& metrics() const { return metrics_; }
+  const std::vector<Metric>& metrics() const { return manifest_.metrics; }
   std::optional<double> metric(const std::string& name) const;
   /// The metrics that the run does not have, with the reason; none of an older run.
   const std::vector<AbsentMetric>& absent() const { return manifest_.absent; }
@@ -71,7 +71,6 @@ class SavedRun {
   std::shared_ptr<std::FILE> log_;  // stays open: another run may replace the folder
   RunManifest manifest_;
   std::string config_text_;
-  std::vector<Metric> metrics_;
   std::vector<LogEntry> signals_;
   std::vector<std::string> notes_;
   std::map<std::string, std::size_t> written_rows_;   // by track, if the run was cut

@@ -12,7 +12,7 @@
 #include <tuple>
 
 #include <breakwater/experiment/differing_keys.h>
-#include <breakwater/experiment/run_list.h>
+#include <breakwater/experiment/run_manifest.h>
 #include <breakwater/program/commands.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/record/run_folder.h>
@@ -30,6 +30,46 @@ namespace {
 
 constexpr const char* kListIndent = "    ";
 
+// A run or study in the list.
+struct ListedFolder {
+  fs::path folder;
+  fs::file_time_type written = {};
+  std::string kind = "run";        // or "study", "tuning"
+  std::string status = "damaged";  // or "complete", "failed", "cut", kRunning; a study's results
+  std::string reason = "";         // if it is not complete
+  RunManifest run = {};            // a study has only its scenario
+  std::size_t runs = 0;            // that a study has finished so far
+  std::size_t failed = 0;
+};
+
+// From the run's small files. The log is not opened.
+ListedFolder list_run(const fs::path& folder) {
+  ListedFolder listed{folder};
+  std::error_code ignored;
+  // The manifest's time is no use: drawing a picture changes it.
+  listed.written = fs::last_write_time(folder / "log.h5", ignored);
+  if (ignored) listed.written = fs::last_write_time(folder / "manifest.json", ignored);
+  try {
+    read_whole(folder, [&] {
+      listed.run = read_manifest(folder);
+      check_has_files(folder);
+      if (!listed.run.failure) listed.run.metrics = read_metrics(folder);
+    });
+  } catch (const std::invalid_argument& error) {
+    listed.reason = error.what();
+    return listed;
+  }
+  const std::optional<Failure>& failure = listed.run.failure;
+  listed.status = !failure ? "complete" : failure->is_cut ? "cut" : "failed";
+  if (listed.run.is_unfinished && is_being_written(folder)) {
+    listed.status = kRunning;
+  } else if (failure) {
+    const std::string at = fmt::format("at {:.6g} s: ", failure->time_s);
+    listed.reason = (failure->is_cut ? "" : at) + failure->reason;
+  }
+  return listed;
+}
+
 // One unreadable study does not end the list.
 ListedFolder list_study(const fs::path& folder) {
   const bool is_tuning = !fs::exists(folder / kSweep.file);
@@ -37,7 +77,7 @@ ListedFolder list_study(const fs::path& folder) {
                      is_tuning ? "tuning" : "study"};
   try {
     const std::string file = (folder / (is_tuning ? kTune : kSweep).file).string();
-    study.scenario = study_root(study_tables(file), file)["scenario"].text_or_nothing();
+    study.run.scenario = study_root(study_tables(file), file)["scenario"].text_or_nothing();
     const auto results = results_by_key(folder / "shards");
     study.runs = results.size();
     for (const auto& [key, result] : results) {
@@ -98,11 +138,12 @@ std::vector<ListedFolder> entries_below(const fs::path& below) {
 
 // Scenario and label of a run, if the folder's name does not have them.
 std::string origin_of(const Catalogue& catalogue, const ListedFolder& entry) {
-  if (entry.kind != "run" || entry.scenario.empty()) return "";
-  const std::string label = label_of(catalogue, entry.folder, entry.scenario, entry.case_name);
+  const std::string& scenario = entry.run.scenario;
+  if (entry.kind != "run" || scenario.empty()) return "";
+  const std::string label = label_of(catalogue, entry.folder, scenario, entry.run.case_name);
   const fs::path folder = entry.folder.lexically_normal();
-  if (folder.filename() == label && folder.parent_path().filename() == entry.scenario) return "";
-  return entry.scenario + (label.empty() ? "" : ", " + label);
+  if (folder.filename() == label && folder.parent_path().filename() == scenario) return "";
+  return scenario + (label.empty() ? "" : ", " + label);
 }
 
 void print_lines(const std::string& text, std::size_t width) {
@@ -117,9 +158,10 @@ void print_entries(const Catalogue& catalogue, const std::vector<ListedFolder>& 
   std::map<std::string, std::vector<std::string>> main;  // by scenario
   if (entries.empty()) fmt::print("no run below {}\n", below.string());
   for (const ListedFolder& entry : entries) {
-    const auto [names, is_new] = main.try_emplace(entry.scenario);
-    if (is_new && catalogue.has<ScenarioKind>(entry.scenario)) {
-      names->second = make_scenario(catalogue, entry.scenario)->main_metrics();
+    const std::string& scenario = entry.run.scenario;
+    const auto [names, is_new] = main.try_emplace(scenario);
+    if (is_new && catalogue.has<ScenarioKind>(scenario)) {
+      names->second = make_scenario(catalogue, scenario)->main_metrics();
     }
     const std::string when =
         fmt::format("{:%Y-%m-%d %H:%M}", fmt::localtime(seconds_of(entry.written)));
@@ -128,7 +170,7 @@ void print_entries(const Catalogue& catalogue, const std::vector<ListedFolder>& 
     const bool fits = when.size() + 2 + status.size() + 1 + folder.size() <= width;
     fmt::print("{}  {}{}{}\n", when, status, fits ? " " : "\n" + std::string(kListIndent), folder);
     print_lines(origin_of(catalogue, entry), width);
-    print_lines(brief(main_metrics(names->second, entry.metrics)), width);
+    print_lines(brief(main_metrics(names->second, entry.run.metrics)), width);
     print_lines(one_line(entry.reason), width);
   }
 }
@@ -141,15 +183,15 @@ void print_entries_json(const std::vector<ListedFolder>& entries) {
         {"kind", entry.kind},
         {"status", entry.status},
         {"written", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(seconds_of(entry.written)))},
-        {"scenario", entry.scenario}};
+        {"scenario", entry.run.scenario}};
     if (entry.kind == "run") {
-      object.update({{"case", entry.case_name}, {"seed", entry.seed}});
+      object.update({{"case", entry.run.case_name}, {"seed", entry.run.seed}});
     } else if (entry.status != "damaged") {
       object.update({{"runs", entry.runs}, {"failed", entry.failed}});
     }
     if (!entry.reason.empty()) object["reason"] = entry.reason;
     if (entry.kind == "run") object["metrics"] = nlohmann::ordered_json::object();
-    for (const Metric& metric : entry.metrics) object["metrics"][metric.name] = metric.value;
+    for (const Metric& metric : entry.run.metrics) object["metrics"][metric.name] = metric.value;
     list.push_back(object);
   }
   fmt::print("{}\n", list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
