@@ -58,7 +58,7 @@ struct FolderRun : SavedRun {
 // The caller lacks the interpreter's lock. Debian's HDF5 is thread-safe: h5py may use it meanwhile.
 void save(const OwnRun& own, const std::string& target) {
   RunFolder folder(target);
-  write_run(own.prepared, own.models, own.recording, own.wall_s, folder, false);
+  write_run(own.prepared, own, folder);
 }
 
 OwnRun run(const std::string& word, const std::optional<std::string>& case_name,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <breakwater/experiment/references.h>
@@ -91,9 +92,8 @@ std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& r
       std::vector<std::string> row = {runs[i].case_name};
       for (std::size_t j = 0; j < matrix.values.size(); ++j) {
         const RunSummary& run = runs[j * cases + i];
-        const Metric* metric = find(run.metrics, &Metric::name, name);
-        const std::string missing = run.failure ? "failed" : "-";
-        row.push_back(metric ? in_digits(metric->value) : missing);
+        const std::optional<double> value = run.metric(name);
+        row.push_back(value ? in_digits(*value) : run.failure ? "failed" : "-");
       }
       table.add(row);
     }
@@ -132,12 +132,11 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
     std::vector<std::string> deviations = {"  deviation", ""};
     bool any_printed = false;
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      const Metric* measured = find(runs[i].metrics, &Metric::name, metric.name);
+      const std::optional<double> measured = runs[i].metric(metric.name);
       const PublishedValue* value = find(printed[i], &PublishedValue::metric, metric.name);
-      const std::string missing = runs[i].failure ? "failed" : "-";
-      values.push_back(measured ? in_digits(measured->value) : missing);
+      values.push_back(measured ? in_digits(*measured) : runs[i].failure ? "failed" : "-");
       printed_row.push_back(value ? value->text : "-");
-      deviations.push_back(value && measured ? marked_deviation(*value, measured->value) : "-");
+      deviations.push_back(value && measured ? marked_deviation(*value, *measured) : "-");
       any_printed |= value != nullptr;
     }
     table.add(values);

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <forward_list>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -47,7 +48,8 @@ ordered_json manifest_before(const PreparedRun& run, const ModelHashes& models) 
             {"compiler", __VERSION__}}}};
 }
 
-ordered_json results_of(const Recording& recording, double wall_s, const std::string& log_hash) {
+ordered_json results_of(const EndedRun& ended, const std::string& log_hash) {
+  const Recording& recording = ended.recording;
   ordered_json entries;
   entries["status"] = recording.failure ? "failed" : "complete";
   if (recording.failure) {
@@ -62,7 +64,7 @@ ordered_json results_of(const Recording& recording, double wall_s, const std::st
   entries["log_hash"] = log_hash;
   entries["simulated_s"] = recording.simulated_s;
   entries["dropped_samples"] = recording.dropped_samples;
-  entries["wall_time_s"] = wall_s;
+  entries["wall_time_s"] = ended.wall_s;
   entries["costs"] = ordered_json::object();
   for (const Metric& cost : recording.costs) entries["costs"][cost.name] = cost.value;
   return entries;
@@ -89,14 +91,13 @@ RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& 
   const math::FloatEnvironment floats;
   // The models may have changed since the preparation: other runs may have taken hours.
   if (options.models != nullptr) options.models->check_unchanged(run.model_files);
-  const ModelHashes models = options.models != nullptr ? options.models->of(run.model_files)
-                                                       : model_hashes(run.model_files);
+  ModelHashes models = options.models != nullptr ? options.models->of(run.model_files)
+                                                 : model_hashes(run.model_files);
   try {
-    const EndedRun ended = run_to_end(run, models, control, &folder, options.csv);
-    const Recording& recording = ended.recording;
-    return {run.case_name,      folder.target(),       recording.metrics,
-            recording.absent,   run.is_as_shipped,     recording.failure,
-            recording.warnings, recording.simulated_s, ended.wall_s};
+    EndedRun ended = run_to_end(run, std::move(models), control, &folder, options.csv);
+    ended.recording.tracks.clear();
+    return {std::move(ended.recording), run.case_name, folder.target(), run.is_as_shipped,
+            ended.wall_s};
   } catch (const OutputError& error) {
     if (!is_kept(folder.path())) throw with_final_name(error, folder.path(), folder.target());
     throw OutputError(fmt::format("{}; {}", error.what(), where_the_log_is(folder.path())));
@@ -264,14 +265,13 @@ EndedRun run_to_end(const PreparedRun& run, ModelHashes models, RunControl contr
   }
   EndedRun ended{std::move(models), run.scenario->run(control)};
   ended.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (folder != nullptr) {
-    write_run(run, ended.models, ended.recording, ended.wall_s, *folder, csv, control.stream);
-  }
+  if (folder != nullptr) write_run(run, ended, *folder, csv, control.stream);
   return ended;
 }
 
-void write_run(const PreparedRun& run, const ModelHashes& models, const Recording& recording,
-               double wall_s, RunFolder& folder, bool csv, LogStream* stream) try {
+void write_run(const PreparedRun& run, const EndedRun& ended, RunFolder& folder, bool csv,
+               LogStream* stream) try {
+  const Recording& recording = ended.recording;
   const std::filesystem::path& path = folder.path();
   std::filesystem::path log = path / "log.h5";
   if (stream != nullptr) {
@@ -283,8 +283,8 @@ void write_run(const PreparedRun& run, const ModelHashes& models, const Recordin
   if (csv) write_csv_log(path / "log.csv", recording.tracks.front());
   if (!recording.failure) write_metrics(path / "metrics.json", recording.metrics);
   std::filesystem::rename(log, path / "log.h5");
-  write_manifest(folder, manifest_before(run, models),
-                 results_of(recording, wall_s, file_hash(path / "log.h5")), stream != nullptr);
+  write_manifest(folder, manifest_before(run, ended.models),
+                 results_of(ended, file_hash(path / "log.h5")), stream != nullptr);
   folder.commit();
 } catch (const OutputError& error) {
   if (is_kept(folder.path())) throw;

@@ -6,7 +6,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,16 +35,11 @@ struct PreparedRun {
   std::vector<std::string> model_files;     ///< the files that its keys name
 };
 
-/// The results of a run whose folder is written.
-struct RunSummary {
+/// The results of a run whose folder is written, without its log.
+struct RunSummary : Recording {
   std::string case_name;
   std::filesystem::path folder;
-  std::vector<Metric> metrics;
-  std::vector<AbsentMetric> absent;
   bool is_as_shipped = false;  ///< required for a comparison with printed values
-  std::optional<Failure> failure;
-  std::vector<std::string> warnings;
-  double simulated_s = 0.0;
   double wall_s = 0.0;
 };
 
@@ -109,10 +103,10 @@ struct EndedRun {
 EndedRun run_to_end(const PreparedRun& run, ModelHashes models, RunControl control,
                     RunFolder* folder = nullptr, bool csv = false);
 
-/// Writes all files of a run into its folder and moves this to its target. `models` are the hashes
-/// of its models. `stream` has the log, unless it is null. Throws OutputError.
-void write_run(const PreparedRun& run, const ModelHashes& models, const Recording& recording,
-               double wall_s, RunFolder& folder, bool csv, LogStream* stream = nullptr);
+/// Writes all files of a run into its folder and moves this to its target. `stream` has the log,
+/// unless it is null. Throws OutputError.
+void write_run(const PreparedRun& run, const EndedRun& ended, RunFolder& folder, bool csv = false,
+               LogStream* stream = nullptr);
 
 /// Runs all of `runs` on all cores, each into its folder of `targets`. It begins only if all
 /// folders can be written. Throws std::invalid_argument (also if a known model has changed),

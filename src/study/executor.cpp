@@ -68,15 +68,15 @@ void fill(PointResult& result, RunControl control, Common& common) {
   const double begin_s = thread_time_s();
   const auto start = std::chrono::steady_clock::now();
   PreparedRun run;
-  Recording recording;
-  ModelHashes models;
+  EndedRun ended;
+  Recording& recording = ended.recording;
   result.asked = source.asked(number);
   try {
     if (common.is_task) common.shard->begin(number, "");
     run = source.prepare(number);
-    models = known.of(run.model_files);
-    result.key = point_key(run.config_text, models);
-    if (common.shard != nullptr) common.shard->add(models);
+    ended.models = known.of(run.model_files);
+    result.key = point_key(run.config_text, ended.models);
+    if (common.shard != nullptr) common.shard->add(ended.models);
     if (common.is_task) common.shard->begin(number, result.key);
     control.logs = !source.folder(number, result.key, false).empty();
     recording = run.scenario->run(control);
@@ -107,10 +107,9 @@ void fill(PointResult& result, RunControl control, Common& common) {
       recording = run.scenario->run(control);
       known.check_unchanged(run.model_files);
     }
-    const double wall_s =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    ended.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     RunFolder target(folder, &common.left_beside(folder));
-    write_run(run, models, recording, wall_s, target, false);
+    write_run(run, ended, target);
   }
   result.cost_s = thread_time_s() - begin_s;
 }
