@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <ranges>
 #include <set>
@@ -227,94 +226,14 @@ struct Call {
   KnownModels& models;
 };
 
-// The runs of one call, each with its place below a folder. `shared` lists folders with several
-// runs.
-struct Batch {
-  std::string name;  // name of the folder, before the seed
-  std::vector<PreparedRun> runs = {};
-  std::vector<std::string> places = {};
-  std::vector<std::string> shared = {};
-};
-
-// `table` returns the text to print about the runs in `out`; an empty text prints nothing.
-int run_batch(const Call& call, const Batch& batch,
-              const std::function<std::string(const std::vector<RunSummary>&,
-                                              const std::string& out)>& table) {
+// The matrix of --matrix. Without it, a matrix of one empty value.
+Matrix matrix_of(const Call& call) {
   const Arguments& arguments = call.arguments;
-  const std::uint64_t seed = batch.runs.front().scenario->run_settings().seed;
-  const fs::path out = arguments.out.empty() ? fs::path("runs") / call.scenario /
-                                                   fmt::format("{}-seed{}", batch.name, seed)
-                                             : fs::path(arguments.out);
-  const auto below = [&](const std::string& place) { return place.empty() ? out : out / place; };
-  for (const std::string& place : batch.shared) check_folder_of_runs(below(place));
-  std::vector<fs::path> folders;
-  for (const std::string& place : batch.places) folders.push_back(below(place));
-
-  if (!arguments.quiet) print_warnings(call.scenario, batch.runs);
-  const std::vector<RunSummary> summaries = execute_runs(
-      batch.runs, folders, {arguments.csv, arguments.quiet, &interrupted(), &call.models});
-  report(call.scenario, summaries, arguments.quiet);
-  const int video_status = make_videos(summaries, arguments, call.video_program);
-  if (!arguments.quiet) fmt::print("{}", table(summaries, out.string()));
-  const bool failed = std::any_of(summaries.begin(), summaries.end(),
-                                  [](const RunSummary& run) { return run.failure.has_value(); });
-  return failed ? static_cast<int>(kRunFailed) : video_status;
-}
-
-int run_cases(const Call& call) {
-  const Arguments& arguments = call.arguments;
-  std::vector<std::string> cases;
-  for (const auto part : std::views::split(arguments.cases, ',')) {
-    cases.emplace_back(part.begin(), part.end());
-  }
-  if (cases.empty()) cases = {call.file.default_case()};
-  const bool several = cases.size() > 1 || cases.front() == kAll;
-  if (cases.size() > 1 && std::ranges::count(cases, kAll) > 0) {
-    throw std::invalid_argument("--case: all stands alone");
-  }
-  if (cases.front() == kAll) cases = call.file.cases();
-  check_video(cases.size() > 1, arguments);
-  Batch batch = {several ? kAll : cases.front()};
-  for (const std::string& name : cases) {
-    if (name.empty()) throw std::invalid_argument("--case: a name is missing");
-    if (std::ranges::count(cases, name) > 1) {
-      throw std::invalid_argument("--case: " + name + " is there twice");
-    }
-    batch.runs.push_back(
-        prepare_run(call.catalogue, call.scenario, call.file, name, all_sets(arguments)));
-    batch.places.push_back(several ? name : "");
-  }
-  if (several) batch.shared = {""};
-  if (arguments.print_config && several) {
-    throw std::invalid_argument("--print-config: prints one case, not several");
-  }
-  if (arguments.print_config) {
-    fmt::print("{}", batch.runs.front().config_text);
-    return kSuccess;
-  }
-  for (PreparedRun& run : batch.runs) run.is_as_shipped = is_as_shipped(call.catalogue, run);
-  return run_batch(
-      call, batch, [&](const std::vector<RunSummary>& runs, const std::string& out) -> std::string {
-        if (several) {
-          return fmt::format("results: {}\n\n{}", out,
-                             comparison_table(call.scenario, runs, call.catalogue, output_width()));
-        }
-        const RunSummary& run = runs.front();
-        if (run.failure) return "";
-        return fmt::format(
-            "{} {}: {:.6g} s simulated in {:.1f} s\nresults: {}\n\n{}", call.scenario,
-            label_of(call.catalogue, run.folder, call.scenario, run.case_name), run.simulated_s,
-            run.wall_s, out, metrics_table(call.scenario, run, call.catalogue));
-      });
-}
-
-// Runs all cases for each value of one key, into OUT/VALUE/CASE.
-int run_matrix(const Call& call) {
-  const Arguments& arguments = call.arguments;
+  if (!arguments.matrix) return {"", {""}, {}};
   if (arguments.print_config) {
     throw std::invalid_argument("--print-config: prints one case, not all of --matrix");
   }
-  const Matrix matrix = make_scenario(call.catalogue, call.scenario)->matrix();
+  Matrix matrix = make_scenario(call.catalogue, call.scenario)->matrix();
   if (matrix.key.empty()) {
     throw std::invalid_argument(call.scenario + ": --matrix: this scenario has no conditions");
   }
@@ -326,20 +245,89 @@ int run_matrix(const Call& call) {
     throw std::invalid_argument(call.scenario + ": --matrix: runs all of " + matrix.key +
                                 ", so leave it out of --set");
   }
-  check_video(true, arguments);
-  Batch batch = {"matrix"};
+  return matrix;
+}
+
+// The names in --case.
+std::vector<std::string> cases_of(const Call& call) {
+  if (call.arguments.matrix || call.arguments.cases == kAll) return call.file.cases();
+  std::vector<std::string> cases;
+  for (const auto part : std::views::split(call.arguments.cases, ',')) {
+    cases.emplace_back(part.begin(), part.end());
+  }
+  if (cases.empty()) return {call.file.default_case()};
+  for (const std::string& name : cases) {
+    if (name == kAll) throw std::invalid_argument("--case: all stands alone");
+    if (name.empty()) throw std::invalid_argument("--case: a name is missing");
+    if (std::ranges::count(cases, name) > 1) {
+      throw std::invalid_argument("--case: " + name + " is there twice");
+    }
+  }
+  return cases;
+}
+
+// The text to print about the runs in `out`; empty if there is none.
+std::string text_about(const Call& call, const Matrix& matrix, bool several,
+                       const std::vector<RunSummary>& runs, const std::string& out) {
+  const std::string results = fmt::format("results: {}\n\n", out);
+  if (call.arguments.matrix) return results + matrix_tables(matrix, runs, output_width());
+  if (several) {
+    return results + comparison_table(call.scenario, runs, call.catalogue, output_width());
+  }
+  const RunSummary& run = runs.front();
+  if (run.failure) return "";
+  return fmt::format("{} {}: {:.6g} s simulated in {:.1f} s\n", call.scenario,
+                     label_of(call.catalogue, run.folder, call.scenario, run.case_name),
+                     run.simulated_s, run.wall_s) +
+         results + metrics_table(call.scenario, run, call.catalogue);
+}
+
+// Runs the cases, for each value of a matrix, into OUT, OUT/CASE or OUT/VALUE/CASE.
+int run_cases(const Call& call) {
+  const Arguments& arguments = call.arguments;
+  const Matrix matrix = matrix_of(call);
+  const std::vector<std::string> cases = cases_of(call);
+  const bool several = arguments.matrix || cases.size() > 1 || arguments.cases == kAll;
+  check_video(cases.size() * matrix.values.size() > 1, arguments);
+  std::vector<PreparedRun> runs;
+  std::vector<fs::path> places;
   for (const std::string& value : matrix.values) {
     std::vector<std::string> sets = all_sets(arguments);
-    sets.push_back(matrix.key + "=" + value);
-    for (const std::string& name : call.file.cases()) {
-      batch.runs.push_back(prepare_run(call.catalogue, call.scenario, call.file, name, sets));
-      batch.places.push_back(value + "/" + name);
+    if (arguments.matrix) sets.push_back(matrix.key + "=" + value);
+    for (const std::string& name : cases) {
+      runs.push_back(prepare_run(call.catalogue, call.scenario, call.file, name, sets));
+      places.push_back(fs::path(value) / (several ? name : ""));
     }
-    batch.shared.push_back(value);
   }
-  return run_batch(call, batch, [&](const std::vector<RunSummary>& runs, const std::string& out) {
-    return fmt::format("results: {}\n\n{}", out, matrix_tables(matrix, runs, output_width()));
-  });
+  if (arguments.print_config) {
+    if (several) throw std::invalid_argument("--print-config: prints one case, not several");
+    fmt::print("{}", runs.front().config_text);
+    return kSuccess;
+  }
+  for (PreparedRun& run : runs) run.is_as_shipped = is_as_shipped(call.catalogue, run);
+
+  const std::string name = arguments.matrix ? "matrix" : several ? kAll : cases.front();
+  const std::uint64_t seed = runs.front().scenario->run_settings().seed;
+  const fs::path out = arguments.out.empty()
+                           ? fs::path("runs") / call.scenario / fmt::format("{}-seed{}", name, seed)
+                           : fs::path(arguments.out);
+  const auto below = [&](const fs::path& place) { return place.empty() ? out : out / place; };
+  for (const std::string& value : matrix.values) {
+    if (several) check_folder_of_runs(below(value));
+  }
+  std::vector<fs::path> folders;
+  for (const fs::path& place : places) folders.push_back(below(place));
+  if (!arguments.quiet) print_warnings(call.scenario, runs);
+  const std::vector<RunSummary> summaries =
+      execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted(), &call.models});
+  report(call.scenario, summaries, arguments.quiet);
+  const int video_status = make_videos(summaries, arguments, call.video_program);
+  if (!arguments.quiet) {
+    fmt::print("{}", text_about(call, matrix, several, summaries, out.string()));
+  }
+  const bool failed = std::any_of(summaries.begin(), summaries.end(),
+                                  [](const RunSummary& run) { return run.failure.has_value(); });
+  return failed ? static_cast<int>(kRunFailed) : video_status;
 }
 
 }  // namespace
@@ -363,7 +351,7 @@ int scenario_main(const Catalogue& catalogue, const std::string& scenario,
     stop_on_signals();
     const Call call = {catalogue, scenario, file, video_program, arguments, models};
     try {
-      return arguments.matrix ? run_matrix(call) : run_cases(call);
+      return run_cases(call);
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument(naming_options(arguments, error.what()));
     }
