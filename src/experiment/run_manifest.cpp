@@ -6,7 +6,6 @@
 #include <initializer_list>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <stdexcept>
 
 #include <breakwater/config/unit_of.h>
@@ -23,9 +22,7 @@ using nlohmann::ordered_json;
 // JSON); ADVICE`.
 ordered_json read_object(const std::filesystem::path& file, std::initializer_list<const char*> keys,
                          const std::string& what, const std::string& advice) {
-  std::stringstream bytes;
-  bytes << open_input(file).rdbuf();
-  const std::string text = bytes.str();
+  const std::string text = bytes_of(file);
   std::string where;
   try {
     ordered_json object = ordered_json::parse(text);

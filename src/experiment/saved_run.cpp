@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 #include <breakwater/config/config.h>
@@ -71,9 +70,7 @@ void SavedRun::read() {
     if (file != nullptr) std::fclose(file);
   });
   if (log_ && fileno(log_.get()) > kMostOpenFiles) log_.reset();
-  std::stringstream config;
-  config << open_input(folder_ / "config.toml").rdbuf();
-  config_text_ = config.str();
+  config_text_ = bytes_of(folder_ / "config.toml");
   check_file(folder_, "config.toml");
   if (!failure()) manifest_.metrics = read_metrics(folder_);
   const bool is_known = check_file(folder_, "log.h5");

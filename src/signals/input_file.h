@@ -35,13 +35,8 @@ inline std::ifstream open_input(const std::filesystem::path& file) {
 
 /// Throws std::invalid_argument `FILE: cannot be read (REASON)`.
 inline std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
   std::stringstream bytes;
-  if (stream) bytes << stream.rdbuf();
-  if (!stream || bytes.bad()) {
-    throw std::invalid_argument(file.string() + ": cannot be read (" +
-                                std::generic_category().message(errno) + ")");
-  }
+  bytes << open_input(file).rdbuf();
   return bytes.str();
 }
 
