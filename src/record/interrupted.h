@@ -3,7 +3,6 @@
 
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 namespace breakwater {
 
@@ -11,13 +10,7 @@ namespace breakwater {
 /// was cut. Complete runs are always kept.
 class Interrupted : public std::runtime_error {
  public:
-  explicit Interrupted(std::string kept = "")
-      : std::runtime_error("interrupted"), kept_(std::move(kept)) {}
-
-  const std::string& kept() const { return kept_; }
-
- private:
-  std::string kept_;
+  explicit Interrupted(const std::string& kept = "") : std::runtime_error("interrupted" + kept) {}
 };
 
 }  // namespace breakwater

@@ -51,7 +51,7 @@ int caught(const std::string& program, const std::function<int()>& body) {
   } catch (const std::length_error&) {
     return failed(kUsage, program + ": there is not enough memory");
   } catch (const Interrupted& stop) {
-    return failed(kInterrupted, program + ": interrupted" + stop.kept());
+    return failed(kInterrupted, program + ": " + stop.what());
   } catch (const std::exception& error) {
     if (std::ferror(stdout) != 0 || std::ferror(stderr) != 0) {
       // guarded() prints the reason.
