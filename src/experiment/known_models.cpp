@@ -36,27 +36,17 @@ ModelHashes KnownModels::of(const std::vector<std::string>& files) {
   return hashes;
 }
 
-void KnownModels::check(const File& file) {
-  const auto& [path, hash] = file;
-  if (file_hash(path) == hash) return;
-  throw std::invalid_argument(path.string() + ": was changed while it ran: start again");
-}
-
-void KnownModels::check_unchanged(const std::vector<std::string>& files) const {
-  std::vector<const File*> all;
+void KnownModels::check_unchanged() const {
+  Files all;
   {
     const std::lock_guard lock(mutex_);
-    for (const std::string& model : files) {
-      const auto found = models_.find(model);
-      if (found != models_.end()) all.insert(all.end(), found->second.begin(), found->second.end());
-    }
+    for (const File& file : files_) all.push_back(&file);
   }
-  for (const File* file : all) check(*file);
-}
-
-void KnownModels::check_unchanged() const {
-  const std::lock_guard lock(mutex_);
-  for (const File& file : files_) check(file);
+  for (const File* file : all) {
+    const auto& [path, hash] = *file;
+    if (file_hash(path) == hash) continue;
+    throw std::invalid_argument(path.string() + ": was changed while it ran: start again");
+  }
 }
 
 }  // namespace breakwater

@@ -24,10 +24,8 @@ class KnownModels {
   /// noted. It notes unknown ones now. Throws std::invalid_argument `FILE: cannot be read`.
   ModelHashes of(const std::vector<std::string>& files);
 
-  /// Throws std::invalid_argument `FILE: was changed while it ran: start again` if a file given to
-  /// of() has changed.
-  void check_unchanged(const std::vector<std::string>& files) const;
-  /// The same for all files.
+  /// Throws std::invalid_argument `FILE: was changed while it ran: start again` if a file has
+  /// changed.
   void check_unchanged() const;
 
  private:
@@ -35,7 +33,6 @@ class KnownModels {
   using Files = std::vector<const File*>;
 
   const Files& noted(const std::string& file);
-  static void check(const File& file);
 
   // The entries do not change.
   std::map<std::filesystem::path, std::string> files_;

@@ -90,7 +90,7 @@ void fill(PointResult& result, RunControl control, Common& common) {
     known.check_unchanged();  // somebody may be writing the file
     return;
   }
-  known.check_unchanged(run.model_files);
+  known.check_unchanged();
   result.state_hash = fmt::format("{:016x}", recording.state_hash);
   if (recording.failure) {
     result.status = PointStatus::failed;
@@ -105,7 +105,7 @@ void fill(PointResult& result, RunControl control, Common& common) {
     if (!control.logs) {
       control.logs = true;
       recording = run.scenario->run(control);
-      known.check_unchanged(run.model_files);
+      known.check_unchanged();
     }
     ended.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     RunFolder target(folder, &common.left_beside(folder));
