@@ -9,13 +9,13 @@ std::string PublishedValue::deviation(double measured) const {
                       : fmt::format("{:+.1f} %", 100.0 * (measured / number - 1.0));
 }
 
-std::vector<PublishedValue> published_values(const Catalogue& catalogue,
-                                             const std::string& scenario,
-                                             const std::string& case_name) {
-  std::vector<PublishedValue> values;
+std::map<std::string, PublishedValue> published_values(const Catalogue& catalogue,
+                                                       const std::string& scenario,
+                                                       const std::string& case_name) {
+  std::map<std::string, PublishedValue> values;
   for (const ReferenceKind& source : catalogue.all<ReferenceKind>()) {
     for (PublishedValue& value : source.of_case(scenario, case_name)) {
-      values.push_back(std::move(value));
+      values.emplace(value.metric, std::move(value));
     }
   }
   return values;

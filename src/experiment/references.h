@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -39,10 +40,10 @@ struct ReferenceKind {
   std::vector<PublishedValue> (*of_case)(const std::string& scenario, const std::string& case_name);
 };
 
-/// The reference values of all sources for one case of a scenario.
-std::vector<PublishedValue> published_values(const Catalogue& catalogue,
-                                             const std::string& scenario,
-                                             const std::string& case_name);
+/// The reference values of all sources for one case of a scenario, by metric.
+std::map<std::string, PublishedValue> published_values(const Catalogue& catalogue,
+                                                       const std::string& scenario,
+                                                       const std::string& case_name);
 
 /// The legends of all sources.
 std::string reference_legend(const Catalogue& catalogue);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -18,8 +19,9 @@ constexpr const char* kChanged =
     "values\n";
 
 // The printed values of a run's case, if the run has the shipped settings.
-std::vector<PublishedValue> printed_for(const Catalogue& catalogue, const std::string& scenario,
-                                        const RunSummary& run) {
+std::map<std::string, PublishedValue> printed_for(const Catalogue& catalogue,
+                                                  const std::string& scenario,
+                                                  const RunSummary& run) {
   if (!run.is_as_shipped) return {};
   return published_values(catalogue, scenario, run.case_name);
 }
@@ -32,14 +34,6 @@ std::string with_legend(const Catalogue& catalogue, const std::string& text) {
   return text.find(" *") != std::string::npos ? reference_legend(catalogue) + text : text;
 }
 
-// The item with this name, or null.
-template <typename Item>
-const Item* find(const std::vector<Item>& items, std::string Item::*name,
-                 const std::string& wanted) {
-  const auto found = std::ranges::find(items, wanted, name);
-  return found == items.end() ? nullptr : &*found;
-}
-
 // "+1.2 %", with a mark if the number does not agree.
 std::string marked_deviation(const PublishedValue& printed, double measured) {
   return printed.deviation(measured) + (printed.agrees(measured).is_met ? "" : " *");
@@ -49,15 +43,15 @@ std::string marked_deviation(const PublishedValue& printed, double measured) {
 
 std::string metrics_table(const std::string& scenario, const RunSummary& run,
                           const Catalogue& catalogue) {
-  const std::vector<PublishedValue> printed = printed_for(catalogue, scenario, run);
+  const auto printed = printed_for(catalogue, scenario, run);
   std::vector<std::string> header = {"metric", "value", "unit"};
   if (!printed.empty()) header.insert(header.end(), {"printed", "deviation"});
   Table table(header);
   for (const Metric& metric : run.metrics) {
     std::vector<std::string> row = {metric.name, in_digits(metric.value), metric.unit};
-    if (const auto* value = find(printed, &PublishedValue::metric, metric.name)) {
-      row.push_back(value->text);
-      row.push_back(marked_deviation(*value, metric.value));
+    if (const auto value = printed.find(metric.name); value != printed.end()) {
+      row.push_back(value->second.text);
+      row.push_back(marked_deviation(value->second, metric.value));
     }
     table.add(row);
   }
@@ -113,12 +107,12 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
       position = found != rows.end() ? found + 1 : rows.insert(position, metric) + 1;
     }
     for (const AbsentMetric& metric : run.absent) {
-      if (!find(rows, &Metric::name, metric.name)) {
+      if (std::ranges::find(rows, metric.name, &Metric::name) == rows.end()) {
         rows.emplace_back(metric.name, metric.unit, 0.0);
       }
     }
   }
-  std::vector<std::vector<PublishedValue>> printed;
+  std::vector<std::map<std::string, PublishedValue>> printed;
   std::vector<std::string> header = {"metric", "unit"};
   for (const RunSummary& run : runs) {
     printed.push_back(printed_for(catalogue, scenario, run));
@@ -133,11 +127,13 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
     bool any_printed = false;
     for (std::size_t i = 0; i < runs.size(); ++i) {
       const std::optional<double> measured = runs[i].metric(metric.name);
-      const PublishedValue* value = find(printed[i], &PublishedValue::metric, metric.name);
+      const auto value = printed[i].find(metric.name);
+      const bool is_printed = value != printed[i].end();
       values.push_back(measured ? in_digits(*measured) : runs[i].failure ? "failed" : "-");
-      printed_row.push_back(value ? value->text : "-");
-      deviations.push_back(value && measured ? marked_deviation(*value, *measured) : "-");
-      any_printed |= value != nullptr;
+      printed_row.push_back(is_printed ? value->second.text : "-");
+      deviations.push_back(is_printed && measured ? marked_deviation(value->second, *measured)
+                                                  : "-");
+      any_printed |= is_printed;
     }
     table.add(values);
     if (any_printed) {

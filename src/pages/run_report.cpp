@@ -53,18 +53,14 @@ PageData changed_table(const Catalogue& catalogue, const SavedRun& run) {
 }  // namespace
 
 std::map<std::string, PublishedValue> printed_of(const Catalogue& catalogue, const SavedRun& run) {
-  std::map<std::string, PublishedValue> printed;
   try {
     const ScenarioFile file((run.folder() / "config.toml").string(), run.scenario());
     const PreparedRun again = prepare_run(catalogue, run.scenario(), file, run.case_name(), {});
-    if (!is_as_shipped(catalogue, again)) return printed;
+    if (!is_as_shipped(catalogue, again)) return {};
   } catch (const std::invalid_argument&) {
-    return printed;  // the case may be from another version
+    return {};  // the case may be from another version
   }
-  for (PublishedValue& value : published_values(catalogue, run.scenario(), run.case_name())) {
-    printed.emplace(value.metric, std::move(value));
-  }
-  return printed;
+  return published_values(catalogue, run.scenario(), run.case_name());
 }
 
 std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs,
