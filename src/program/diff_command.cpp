@@ -77,91 +77,83 @@ std::string result_of(const SavedRun& run) {
                  : "complete";
 }
 
+void add_pair(Words& lines, const std::string& what, const std::string& a, const std::string& b) {
+  if (a != b) lines.push_back(what + ": " + a + " and " + b);
+}
+
+void add_only(Words& lines, const std::vector<SavedRun>& runs, const std::string& what,
+              const Words (&names)[2]) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Words only = part_of(names[i], names[1 - i], false);
+    if (only.empty()) continue;
+    lines.push_back(fmt::format("only {} has the {}: {}", runs[i].folder().string(), what,
+                                fmt::join(only, " ")));
+  }
+}
+
+void add_samples(Words& lines, const std::vector<SavedRun>& runs) {
+  const Words all[] = {datasets(runs[0]), datasets(runs[1])};
+  const Words paths = part_of(all[0], all[1], true);
+  std::optional<Difference> first;
+  std::size_t count = 0;
+  Words sizes;
+  for (const std::string& path : paths) {
+    const LoggedSignal& a = runs[0].dataset(path);
+    const LoggedSignal& b = runs[1].dataset(path);
+    if (a.width != b.width) {
+      sizes.push_back(fmt::format("{}: {} and {} columns", path, a.width, b.width));
+    }
+    // All signals of a track have the rows of its time base.
+    if (a.rows != b.rows && path.ends_with("/time_s")) {
+      sizes.push_back(
+          fmt::format("{}: {} and {} rows", path.substr(0, path.find('/')), a.rows, b.rows));
+    }
+    const auto difference = first_difference(runs, path);
+    if (!difference) continue;
+    ++count;
+    if (!first || difference->time_s < first->time_s) first = difference;
+  }
+  if (first) {
+    lines.push_back(first->text);
+    lines.push_back(fmt::format("{} of {} common signals differ", count, paths.size()));
+  }
+  lines.insert(lines.end(), sizes.begin(), sizes.end());
+  add_only(lines, runs, "signals", all);
+}
+
+void add_metrics(Words& lines, const std::vector<SavedRun>& runs) {
+  Words names[2];
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (const Metric& metric : runs[i].metrics()) names[i].push_back(metric.name);
+  }
+  for (const std::string& name : part_of(names[0], names[1], true)) {
+    const double a = *runs[0].metric(name);
+    const double b = *runs[1].metric(name);
+    if (!same_bits(a, b)) add_pair(lines, name, fmt::format("{}", a), fmt::format("{}", b));
+  }
+  // A failed run has none, and its result says so.
+  if (!runs[0].failure() && !runs[1].failure()) add_only(lines, runs, "metrics", names);
+}
+
 // One line for each kind of difference, the first different sample first.
-class Differences {
- public:
-  explicit Differences(const std::vector<SavedRun>& runs) : runs_(runs) {
-    const SavedRun& a = runs[0];
-    const SavedRun& b = runs[1];
-    if (a.scenario() != b.scenario()) {
-      add_pair("scenario", a.scenario(), b.scenario());
-      return;
-    }
-    add_samples();
-    add_pair("result", result_of(a), result_of(b));
-    const bool have_hashes = !a.state_hash().empty() && !b.state_hash().empty();
-    if (have_hashes) add_pair("state hash", a.state_hash(), b.state_hash());
-    add_pair("case", a.case_name(), b.case_name());
-    for (const DifferingKey& key : differing_keys(runs)) {
-      add_pair(key.key, key.values[0], key.values[1]);
-    }
-    if (a.models() != b.models()) lines_.push_back("model files differ");
-    add_metrics();
+Words differences(const std::vector<SavedRun>& runs) {
+  const SavedRun& a = runs[0];
+  const SavedRun& b = runs[1];
+  Words lines;
+  add_pair(lines, "scenario", a.scenario(), b.scenario());
+  if (!lines.empty()) return lines;
+  add_samples(lines, runs);
+  add_pair(lines, "result", result_of(a), result_of(b));
+  const bool have_hashes = !a.state_hash().empty() && !b.state_hash().empty();
+  if (have_hashes) add_pair(lines, "state hash", a.state_hash(), b.state_hash());
+  add_pair(lines, "case", a.case_name(), b.case_name());
+  for (const DifferingKey& key : differing_keys(runs)) {
+    add_pair(lines, key.key, key.values[0], key.values[1]);
   }
-
-  const std::vector<std::string>& lines() const { return lines_; }
-
- private:
-  void add_pair(const std::string& what, const std::string& a, const std::string& b) {
-    if (a != b) lines_.push_back(what + ": " + a + " and " + b);
-  }
-
-  void add_only(const std::string& what, const Words (&names)[2]) {
-    for (std::size_t i = 0; i < 2; ++i) {
-      const Words only = part_of(names[i], names[1 - i], false);
-      if (only.empty()) continue;
-      lines_.push_back(fmt::format("only {} has the {}: {}", runs_[i].folder().string(), what,
-                                   fmt::join(only, " ")));
-    }
-  }
-
-  void add_samples() {
-    const Words all[] = {datasets(runs_[0]), datasets(runs_[1])};
-    const Words paths = part_of(all[0], all[1], true);
-    std::optional<Difference> first;
-    std::size_t count = 0;
-    std::vector<std::string> sizes;
-    for (const std::string& path : paths) {
-      const LoggedSignal& a = runs_[0].dataset(path);
-      const LoggedSignal& b = runs_[1].dataset(path);
-      if (a.width != b.width) {
-        sizes.push_back(fmt::format("{}: {} and {} columns", path, a.width, b.width));
-      }
-      // All signals of a track have the rows of its time base.
-      if (a.rows != b.rows && path.ends_with("/time_s")) {
-        sizes.push_back(
-            fmt::format("{}: {} and {} rows", path.substr(0, path.find('/')), a.rows, b.rows));
-      }
-      const auto difference = first_difference(runs_, path);
-      if (!difference) continue;
-      ++count;
-      if (!first || difference->time_s < first->time_s) first = difference;
-    }
-    if (first) {
-      lines_.push_back(first->text);
-      lines_.push_back(fmt::format("{} of {} common signals differ", count, paths.size()));
-    }
-    lines_.insert(lines_.end(), sizes.begin(), sizes.end());
-    add_only("signals", all);
-  }
-
-  void add_metrics() {
-    Words names[2];
-    for (std::size_t i = 0; i < 2; ++i) {
-      for (const Metric& metric : runs_[i].metrics()) names[i].push_back(metric.name);
-    }
-    for (const std::string& name : part_of(names[0], names[1], true)) {
-      const double a = *runs_[0].metric(name);
-      const double b = *runs_[1].metric(name);
-      if (!same_bits(a, b)) add_pair(name, fmt::format("{}", a), fmt::format("{}", b));
-    }
-    // A failed run has none, and its result says so.
-    if (!runs_[0].failure() && !runs_[1].failure()) add_only("metrics", names);
-  }
-
-  const std::vector<SavedRun>& runs_;
-  std::vector<std::string> lines_;
-};
+  if (a.models() != b.models()) lines.push_back("model files differ");
+  add_metrics(lines, runs);
+  return lines;
+}
 
 }  // namespace
 
@@ -181,11 +173,11 @@ int diff_main(const Catalogue&, int argc, const char* const* argv) {
     std::vector<SavedRun> runs;
     for (const std::string& folder : folders) runs.emplace_back(folder);
     for (const SavedRun& run : runs) warn("diff", run.notes());
-    const Differences differences(runs);
+    const Words lines = differences(runs);
     if (!quiet) {
-      for (const std::string& line : differences.lines()) fmt::print("{}\n", one_line(line));
+      for (const std::string& line : lines) fmt::print("{}\n", one_line(line));
     }
-    return differences.lines().empty() ? static_cast<int>(kSuccess) : kDifferent;
+    return lines.empty() ? static_cast<int>(kSuccess) : kDifferent;
   });
 }
 
