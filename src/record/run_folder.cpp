@@ -50,12 +50,20 @@ bool is_finished(const fs::path& folder) {
 
 // The suffixes of the folders beside the target with this mark.
 std::vector<std::string> suffixes(const fs::path& target, const char* mark,
-                                  const LeftBeside* beside) {
+                                  const std::set<std::string>* beside) {
   const std::string begin = hidden_name(target, mark);
-  return beside != nullptr ? beside->behind(begin) : LeftBeside(target.parent_path()).behind(begin);
+  std::set<std::string> own;
+  if (beside == nullptr) own = hidden_names_in(target.parent_path());
+  const std::set<std::string>& names = beside == nullptr ? own : *beside;
+  std::vector<std::string> found;
+  for (auto name = names.lower_bound(begin); name != names.end() && name->starts_with(begin);
+       ++name) {
+    found.push_back(name->substr(begin.size()));
+  }
+  return found;
 }
 
-void restore_earlier(const fs::path& target, const LeftBeside* beside) {
+void restore_earlier(const fs::path& target, const std::set<std::string>* beside) {
   std::error_code error;
   if (fs::exists(fs::symlink_status(target, error))) return;
   fs::path latest;
@@ -114,7 +122,7 @@ bool may_be_replaced(const fs::path& folder) {
   return complaint_of(folder).empty();
 }
 
-void remove_abandoned(const fs::path& target, const LeftBeside* left) {
+void remove_abandoned(const fs::path& target, const std::set<std::string>* left) {
   std::error_code ignored;
   const auto beside = [&](const char* mark, const std::string& suffix) {
     return target.parent_path() / (hidden_name(target, mark) + suffix);
@@ -242,26 +250,14 @@ bool is_unfinished_run(const fs::path& folder) {
   return name.starts_with('.') && name.find(kPartialMark) != std::string::npos;
 }
 
-LeftBeside::LeftBeside(const fs::path& folder) {
+std::set<std::string> hidden_names_in(const fs::path& folder) {
+  std::set<std::string> names;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     std::string name = entry.path().filename().string();
-    if (name.starts_with('.')) names_.insert(std::move(name));
+    if (name.starts_with('.')) names.insert(std::move(name));
   }
-}
-
-std::vector<std::string> LeftBeside::behind(const std::string& begin) const {
-  std::vector<std::string> found;
-  for (auto name = names_.lower_bound(begin); name != names_.end() && name->starts_with(begin);
-       ++name) {
-    found.push_back(name->substr(begin.size()));
-  }
-  return found;
-}
-
-void restore_run(const fs::path& folder) {
-  const std::lock_guard lock(in_this_process);
-  restore_earlier(followed(without_slash(folder)), nullptr);
+  return names;
 }
 
 void read_whole(const fs::path& folder, const std::function<void()>& read) {
@@ -274,7 +270,10 @@ void read_whole(const fs::path& folder, const std::function<void()>& read) {
     return std::tuple(now.st_dev, now.st_ino, now.st_ctim.tv_sec, now.st_ctim.tv_nsec);
   };
   for (int tries = 1;; ++tries) {
-    restore_run(folder);
+    {
+      const std::lock_guard lock(in_this_process);
+      restore_earlier(target, nullptr);
+    }
     const auto before = identity();
     try {
       read();
@@ -311,7 +310,7 @@ void check_has_files(const fs::path& folder) {
   }
 }
 
-RunFolder::RunFolder(const fs::path& target, const LeftBeside* beside)
+RunFolder::RunFolder(const fs::path& target, const std::set<std::string>* beside)
     : target_(followed(without_slash(target))) {
   const std::lock_guard lock(in_this_process);
   try {

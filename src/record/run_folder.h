@@ -19,17 +19,9 @@ class DataFile;
 /// is a complete run that could not be moved elsewhere.
 inline constexpr const char* kKept = "kept";
 
-/// A list of the folders that processes left beside the runs. It is made once: a new list for each
-/// of many runs would take quadratic time.
-class LeftBeside {
- public:
-  explicit LeftBeside(const std::filesystem::path& folder);
-  /// The ends of the names that begin with `begin`.
-  std::vector<std::string> behind(const std::string& begin) const;
-
- private:
-  std::set<std::string> names_;
-};
+/// The hidden names in a folder: processes may have left them beside its runs. One list serves many
+/// runs: a new one for each would take quadratic time.
+std::set<std::string> hidden_names_in(const std::filesystem::path& folder);
 
 /// Files are written into a partial folder beside the target, or beside the folder that a symbolic
 /// link names. commit() renames it when it is
@@ -41,9 +33,10 @@ class LeftBeside {
 class RunFolder {
  public:
   /// Throws std::invalid_argument if the target is a file, holds something other than an earlier
-  /// run, or cannot be made. `beside` lists the partial folders; if null, the parent folder is
+  /// run, or cannot be made. `beside` has the hidden_names_in() the parent folder; if null, this is
   /// read.
-  explicit RunFolder(const std::filesystem::path& target, const LeftBeside* beside = nullptr);
+  explicit RunFolder(const std::filesystem::path& target,
+                     const std::set<std::string>* beside = nullptr);
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
@@ -82,11 +75,9 @@ bool is_being_written(const std::filesystem::path& folder);
 /// Whether a folder is the partial folder of an unfinished or killed run, by its name.
 bool is_unfinished_run(const std::filesystem::path& folder);
 
-/// For readers: restores the earlier run if a process was killed while it replaced `folder`.
-void restore_run(const std::filesystem::path& folder);
-
 /// Calls `read` again if another run has replaced the folder meanwhile, so that all files belong to
-/// one run. Passes on its std::invalid_argument. Restores the run first.
+/// one run. Passes on its std::invalid_argument. If a process was killed while it replaced the
+/// folder, it restores the earlier run first.
 void read_whole(const std::filesystem::path& folder, const std::function<void()>& read);
 
 /// Throws std::invalid_argument, one line, if a file of a run differs from its hash in

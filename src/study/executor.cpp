@@ -35,18 +35,19 @@ struct Common {
   Shard* shard = nullptr;
   bool is_task = false;
   std::mutex mutex = {};
-  std::set<std::filesystem::path> folders = {};           // already begun
-  std::map<std::filesystem::path, LeftBeside> left = {};  // by parent folder
+  std::set<std::filesystem::path> folders = {};                      // already begun
+  std::map<std::filesystem::path, std::set<std::string>> left = {};  // hidden names by folder
 
   // Points with the same key are the same run, so only one writes its folder.
   bool begin(const std::filesystem::path& folder) {
     const std::lock_guard lock(mutex);
     return folders.insert(folder).second;
   }
-  const LeftBeside& left_beside(const std::filesystem::path& folder) {
+  const std::set<std::string>& left_beside(const std::filesystem::path& folder) {
     const std::lock_guard lock(mutex);
-    const std::filesystem::path parent = folder.parent_path();
-    return left.try_emplace(parent, parent).first->second;
+    const auto [names, is_new] = left.try_emplace(folder.parent_path());
+    if (is_new) names->second = hidden_names_in(names->first);
+    return names->second;
   }
 };
 

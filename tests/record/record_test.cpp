@@ -453,7 +453,7 @@ TEST_F(RunFolders, ClearUpListedFolders) {
   const std::string begin = base_.string() + "/.run.partial-" + process_name();
   const std::string dead = begin.substr(0, begin.rfind('-')) + "-2000000000";
   fs::create_directory(dead);
-  const LeftBeside left(base_);
+  const std::set<std::string> left = hidden_names_in(base_);
   const std::string later = begin.substr(0, begin.rfind('-')) + "-2000000001";
   fs::create_directory(later);
   RunFolder folder(base_ / "run", &left);
