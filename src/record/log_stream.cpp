@@ -19,6 +19,7 @@ using detail::DataFile;
 namespace {
 
 constexpr const char* kLog = "log.h5";
+constexpr std::size_t kCopiedAtOnce = 1 << 20;
 constexpr std::chrono::milliseconds kBetweenWrites(500);
 
 bool same_dataset(const LogEntry& a, const LogEntry& b) {
@@ -34,6 +35,19 @@ std::vector<LogEntry> all_datasets(const std::vector<Track>& tracks, RowsOf rows
     all.insert(all.end(), own.begin(), own.end());
   }
   return all;
+}
+
+// Copies `bytes` bytes.
+void copy(std::ifstream& from, std::uint64_t from_place, DataFile& to, std::uint64_t to_place,
+          std::uint64_t bytes) {
+  std::vector<char> block(std::min<std::uint64_t>(bytes, kCopiedAtOnce));
+  from.seekg(static_cast<std::streamoff>(from_place));
+  for (std::uint64_t done = 0; done < bytes; done += block.size()) {
+    block.resize(std::min<std::uint64_t>(block.size(), bytes - done));
+    from.read(block.data(), static_cast<std::streamsize>(block.size()));
+    if (!from) throw OutputError("the log cannot be read again");
+    to.write(block.data(), block.size(), to_place + done);
+  }
 }
 
 }  // namespace
@@ -143,14 +157,15 @@ fs::path LogStream::finish(const std::vector<Track>& tracks) {
   // log.h5 stays as it is, in case that this process is killed now.
   fs::path other = folder_ / ".log.h5.partial-whole";
   const std::vector<std::uint64_t> places = lay_out_hdf5_log(other, whole);
+  std::ifstream from(log, std::ios::binary);
   DataFile to(other, O_RDWR);
   auto place = places.begin();
   for (const Track& track : tracks) {
     for (std::size_t i = 0; i <= track.signals(); ++i, ++place) {
       if (track.is_streamed()) {
-        const std::size_t from = track.rows_->first_dataset + i;
-        detail::copy(*log_, places_[from], to, *place,
-                     track.rows() * datasets_[from].width * sizeof(double));
+        const std::size_t dataset = track.rows_->first_dataset + i;
+        copy(from, places_[dataset], to, *place,
+             track.rows() * datasets_[dataset].width * sizeof(double));
       } else {
         const std::span<const double> values = i == 0 ? track.times() : track.values(i - 1);
         to.write(values.data(), values.size_bytes(), *place);

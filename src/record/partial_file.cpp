@@ -4,11 +4,9 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
-#include <vector>
 
 #include <breakwater/record/output_error.h>
 #include <breakwater/record/process_name.h>
@@ -20,7 +18,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kMark = ".partial-";
-constexpr std::size_t kCopiedAtOnce = 1 << 20;
 
 void write(const PartialFile& partial, const std::string& bytes) {
   try {
@@ -150,19 +147,6 @@ void DataFile::write(const void* data, std::size_t bytes, std::uint64_t place) {
   }
 }
 
-std::size_t DataFile::read(void* data, std::size_t bytes, std::uint64_t place) const {
-  std::size_t all = 0;
-  while (all < bytes) {
-    const ssize_t done = pread(descriptor_, static_cast<char*>(data) + all, bytes - all,
-                               static_cast<off_t>(place + all));
-    if (done < 0 && errno == EINTR) continue;
-    if (done < 0) fail("read");
-    if (done == 0) break;
-    all += static_cast<std::size_t>(done);
-  }
-  return all;
-}
-
 void DataFile::sync() const {
   if (fdatasync(descriptor_) != 0) fail("written to the disk");
 }
@@ -172,17 +156,6 @@ bool is_locked(const std::filesystem::path& path) {
     return !DataFile(path, O_RDONLY).lock();
   } catch (const OutputError&) {
     return false;
-  }
-}
-
-void copy(const DataFile& from, std::uint64_t from_place, DataFile& to, std::uint64_t to_place,
-          std::uint64_t bytes) {
-  std::vector<char> block(std::min<std::uint64_t>(bytes, kCopiedAtOnce));
-  for (std::uint64_t done = 0; done < bytes; done += block.size()) {
-    block.resize(std::min<std::uint64_t>(block.size(), bytes - done));
-    block.resize(from.read(block.data(), block.size(), from_place + done));
-    if (block.empty()) throw OutputError("the log ends early");
-    to.write(block.data(), block.size(), to_place + done);
   }
 }
 
