@@ -30,25 +30,29 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// The entries of manifest.json that are known before the run.
-ordered_json manifest_before(const PreparedRun& run, const ModelHashes& models) {
-  return {{"scenario", run.scenario->name()},
-          {"case", run.case_name},
-          {"seed", run.scenario->run_settings().seed},
-          {"point", point_key(run.config_text, models)},
-          {"breakwater", kVersion},
-          {"git_commit", kGitCommit},
-          {"program", program_hash()},
-          {"models", models},
-          {"versions",
-           {{"mujoco", engine_version()},
-            {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
-                                  EIGEN_MINOR_VERSION)},
-            {"hdf5", hdf5_version()},
-            {"compiler", __VERSION__}}}};
+// manifest.json: the name of a run, its results and its origin.
+std::string manifest_text(const PreparedRun& run, const ModelHashes& models,
+                          const ordered_json& results) {
+  ordered_json entries = {{"scenario", run.scenario->name()},
+                          {"case", run.case_name},
+                          {"seed", run.scenario->run_settings().seed}};
+  entries.update(results);
+  entries.update({{"point", point_key(run.config_text, models)},
+                  {"breakwater", kVersion},
+                  {"git_commit", kGitCommit},
+                  {"program", program_hash()},
+                  {"models", models},
+                  {"versions",
+                   {{"mujoco", engine_version()},
+                    {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
+                                          EIGEN_MINOR_VERSION)},
+                    {"hdf5", hdf5_version()},
+                    {"compiler", __VERSION__}}}});
+  return entries.dump(2) + "\n";
 }
 
-ordered_json results_of(const EndedRun& ended, const std::string& log_hash) {
+// With the hashes of the files that it has in `folder`.
+ordered_json results_of(const EndedRun& ended, const std::filesystem::path& folder) {
   const Recording& recording = ended.recording;
   ordered_json entries;
   entries["status"] = recording.failure ? "failed" : "complete";
@@ -61,29 +65,16 @@ ordered_json results_of(const EndedRun& ended, const std::string& log_hash) {
     entries["absent"][metric.name] = metric.reason;
   }
   entries["state_hash"] = fmt::format("{:016x}", recording.state_hash);
-  entries["log_hash"] = log_hash;
   entries["simulated_s"] = recording.simulated_s;
   entries["dropped_samples"] = recording.dropped_samples;
   entries["wall_time_s"] = ended.wall_s;
   entries["costs"] = ordered_json::object();
   for (const Metric& cost : recording.costs) entries["costs"][cost.name] = cost.value;
-  return entries;
-}
-
-void write_manifest(const RunFolder& folder, const ordered_json& before,
-                    const ordered_json& results, bool is_streamed) {
-  ordered_json entries;
-  for (const char* first : {"scenario", "case", "seed"}) entries[first] = before.at(first);
-  entries.update(results);
-  for (const char* file : {"config.toml", "metrics.json"}) {
-    const std::filesystem::path path = folder.path() / file;
+  for (const char* file : {"config.toml", "metrics.json", "log.h5"}) {
+    const std::filesystem::path path = folder / file;
     if (std::filesystem::exists(path)) entries[path.stem().string() + "_hash"] = file_hash(path);
   }
-  entries.update(before);
-  const std::filesystem::path file = folder.path() / "manifest.json";
-  const std::string text = entries.dump(2) + "\n";
-  // A streamed run has one already, which must stay whole if this process is killed.
-  is_streamed ? replace_file(file, text) : write_text_file(file, text);
+  return entries;
 }
 
 RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& options,
@@ -257,10 +248,8 @@ EndedRun run_to_end(const PreparedRun& run, ModelHashes models, RunControl contr
   const auto start = std::chrono::steady_clock::now();
   std::optional<LogStream> stream;
   if (folder != nullptr && run.scenario->run_settings().stream) {
-    ordered_json manifest = manifest_before(run, models);
-    manifest["status"] = kRunning;
-    manifest["state_hash"] = "";
-    stream.emplace(folder->path(), run.config_text, manifest.dump(2) + "\n");
+    stream.emplace(folder->path(), run.config_text,
+                   manifest_text(run, models, {{"status", kRunning}, {"state_hash", ""}}));
     control.stream = &*stream;
   }
   EndedRun ended{std::move(models), run.scenario->run(control)};
@@ -283,8 +272,10 @@ void write_run(const PreparedRun& run, const EndedRun& ended, RunFolder& folder,
   if (csv) write_csv_log(path / "log.csv", recording.tracks.front());
   if (!recording.failure) write_metrics(path / "metrics.json", recording.metrics);
   std::filesystem::rename(log, path / "log.h5");
-  write_manifest(folder, manifest_before(run, ended.models),
-                 results_of(ended, file_hash(path / "log.h5")), stream != nullptr);
+  const std::string manifest = manifest_text(run, ended.models, results_of(ended, path));
+  // A streamed run has one already, which must stay whole if this process is killed.
+  const std::filesystem::path file = path / "manifest.json";
+  stream != nullptr ? replace_file(file, manifest) : write_text_file(file, manifest);
   folder.commit();
 } catch (const OutputError& error) {
   if (is_kept(folder.path())) throw;
