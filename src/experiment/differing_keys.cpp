@@ -58,6 +58,8 @@ bool has_own_axis(const Config& config, const Config& other) {
   });
 }
 
+}  // namespace
+
 std::vector<DifferingKey> changed_keys(const Catalogue& catalogue, const fs::path& folder,
                                        const std::string& scenario, const std::string& case_name) {
   std::vector<DifferingKey> changed;
@@ -77,12 +79,6 @@ std::vector<DifferingKey> changed_keys(const Catalogue& catalogue, const fs::pat
     changed.clear();  // the run may be of another version
   }
   return changed;
-}
-
-}  // namespace
-
-std::vector<DifferingKey> changed_keys(const Catalogue& catalogue, const SavedRun& run) {
-  return changed_keys(catalogue, run.folder(), run.scenario(), run.case_name());
 }
 
 std::string label_of(const Catalogue& catalogue, const fs::path& folder,
@@ -114,7 +110,9 @@ std::vector<std::string> labels_of(const Catalogue& catalogue, const std::vector
   };
   for (const auto& [name, numbers] : of_case) {
     if (numbers.size() < 2) {
-      with_keys[numbers.front()] += parts_in_words(changed_keys(catalogue, runs[numbers.front()]));
+      const SavedRun& run = runs[numbers.front()];
+      with_keys[numbers.front()] =
+          label_of(catalogue, run.folder(), run.scenario(), run.case_name());
       continue;
     }
     std::vector<SavedRun> same;

@@ -20,7 +20,9 @@ std::vector<DifferingKey> differing_keys(const std::vector<SavedRun>& runs);
 /// The keys that a run and its case in the scenario's own file have with different values. Empty if
 /// the program does not have the scenario, or the file not the case. Also empty for another plant,
 /// that is, if the run has a table that the file lacks, such as [axis.mine].
-std::vector<DifferingKey> changed_keys(const Catalogue& catalogue, const SavedRun& run);
+std::vector<DifferingKey> changed_keys(const Catalogue& catalogue,
+                                       const std::filesystem::path& folder,
+                                       const std::string& scenario, const std::string& case_name);
 
 /// A label for a finished run of any size: its case, with changed parts: "hpfc-5N with mine".
 std::string label_of(const Catalogue& catalogue, const std::filesystem::path& folder,

@@ -41,7 +41,8 @@ std::pair<PageData, PageData> metrics_of(const Catalogue& catalogue, const Saved
 // The keys in which a run differs from its case.
 PageData changed_table(const Catalogue& catalogue, const SavedRun& run) {
   auto rows = PageData::array();
-  for (const DifferingKey& key : changed_keys(catalogue, run)) {
+  for (const DifferingKey& key :
+       changed_keys(catalogue, run.folder(), run.scenario(), run.case_name())) {
     rows.push_back(PageData::array({key.key, key.values[0], key.values[1]}));
   }
   return {{"label", "Keys that differ from the case"},
