@@ -158,32 +158,27 @@ void check_video(bool several, const Arguments& arguments) {
   }
 }
 
-// Calls `program` to make the video of a run in `file` or, if empty, in FOLDER/video.mp4. A
-// separate process protects the run, and simulations need no OpenGL and no encoder. Prints one line
-// if it fails. Returns the exit status of the process.
-int make_video(const std::string& program, const std::filesystem::path& folder,
-               const std::string& file, bool quiet) {
-  if (!std::filesystem::exists(program)) {
-    fmt::print(
-        stderr,
-        "video of the run in {0}: {1}, which draws it, is not there (`./dev build` makes it); "
-        "the run is whole, `breakwater video {0}` draws it later\n",
-        folder.string(), program);
-    return kLaterOutputFailed;
-  }
-  std::vector<std::string> words = {program, "video", folder.string()};
-  if (!file.empty()) words.insert(words.end(), {"--out", file});
-  if (quiet) words.emplace_back("--quiet");
-  return call_program(fmt::format("video of the run in {}", folder.string()), words);
-}
-
-// Returns 0 or the exit status of a failed video.
+// Calls `video_program` to make the video of each run, in the file of --video or in its folder. A
+// separate process protects the run, and simulations need no OpenGL and no encoder. Returns 0 or
+// the exit status of a failed video, which has printed one line.
 int make_videos(const std::vector<RunSummary>& runs, const Arguments& arguments,
                 const std::string& video_program) {
   if (arguments.video->count() == 0) return kSuccess;
   int status = kSuccess;
   for (const RunSummary& run : runs) {
-    const int made = make_video(video_program, run.folder, arguments.video_file, arguments.quiet);
+    const std::string folder = run.folder.string(), what = "video of the run in " + folder;
+    if (!fs::exists(video_program)) {
+      fmt::print(stderr,
+                 "{}: {}, which draws it, is not there (`./dev build` makes it); the run is whole, "
+                 "`breakwater video {}` draws it later\n",
+                 what, video_program, folder);
+      status = kLaterOutputFailed;
+      continue;
+    }
+    std::vector<std::string> words = {video_program, "video", folder};
+    if (!arguments.video_file.empty()) words.insert(words.end(), {"--out", arguments.video_file});
+    if (arguments.quiet) words.emplace_back("--quiet");
+    const int made = call_program(what, words);
     if (made == kInterrupted) return kInterrupted;
     if (made != kSuccess) status = kLaterOutputFailed;
   }
