@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/config/names.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/render/canvas.h>
@@ -30,13 +29,13 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-// `missing`: an optional part is absent. `broken`: a part does not work, or a necessary one is
-// absent.
-enum class State { ok, missing, broken };
+constexpr const char* kWorks = "ok";
+constexpr const char* kMissing = "missing";  // an optional part is absent
+constexpr const char* kBroken = "broken";    // it does not work, or a necessary part is absent
 
 struct HealthCheck {
   std::string what;  // one word
-  State state = State::ok;
+  std::string state;
   std::string found;    // one line: a description, or the reason of the fault
   std::string install;  // a command that repairs it, if any
 };
@@ -56,10 +55,10 @@ HealthCheck check_scenarios(const Catalogue& catalogue) {
       if (recording.failure) throw std::runtime_error(recording.failure->reason);
       ++count;
     } catch (const std::exception& error) {
-      return {"runs", State::broken, kind.name + ": " + error.what(), ""};
+      return {"runs", kBroken, kind.name + ": " + error.what(), ""};
     }
   }
-  return {"runs", State::ok,
+  return {"runs", kWorks,
           fmt::format("{} scenarios ran for 0.1 s each, MuJoCo {} with our {}", count,
                       engine_version(), fmt::join(engine_functions(), ", ")),
           ""};
@@ -73,7 +72,7 @@ HealthCheck check_pictures() {
     opengl_asked();
     const std::string missing = Offscreen::missing_library();
     if (!missing.empty()) {
-      return {"pictures", State::missing, missing, "apt install libegl1 libgl1-mesa-dri"};
+      return {"pictures", kMissing, missing, "apt install libegl1 libgl1-mesa-dri"};
     }
     Canvas(kPictureSide, kPictureSide);  // throws without Cairo
     const auto start = [](std::size_t) -> Drawer {
@@ -81,11 +80,11 @@ HealthCheck check_pictures() {
               Offscreen(kPictureSide, kPictureSide).renderer()};
     };
     const std::string renderer = draw_frames({.frames = 1}, start, [](const std::uint8_t*) {});
-    return {"pictures", State::ok, fmt::format("drawn by {} ({})", renderer, when), ""};
+    return {"pictures", kWorks, fmt::format("drawn by {} ({})", renderer, when), ""};
   } catch (const RenderError& error) {
-    return {"pictures", State::broken, fmt::format("{} ({})", error.what(), when), ""};
+    return {"pictures", kBroken, fmt::format("{} ({})", error.what(), when), ""};
   } catch (const std::invalid_argument& error) {
-    return {"pictures", State::broken, error.what(), ""};
+    return {"pictures", kBroken, error.what(), ""};
   }
 }
 
@@ -96,9 +95,9 @@ HealthCheck check_video() {
     video.append(Canvas(kPictureSide, kPictureSide).pixels());
     video.finish();
     fs::remove(file);
-    return {"video", State::ok, "H.264 by libx264 of ffmpeg", ""};
+    return {"video", kWorks, "H.264 by libx264 of ffmpeg", ""};
   } catch (const std::exception& error) {
-    return {"video", State::missing, error.what(), "apt install ffmpeg"};
+    return {"video", kMissing, error.what(), "apt install ffmpeg"};
   }
 }
 
@@ -107,9 +106,8 @@ HealthCheck check_pages() {
   for (const fs::path& file : page_libraries()) {
     if (!fs::is_regular_file(file)) missing.push_back(file.string());
   }
-  if (missing.empty()) return {"pages", State::ok, "charts by dygraphs, replays by three.js", ""};
-  return {"pages", State::missing,
-          fmt::format("reports and replays lack {}", fmt::join(missing, ", ")),
+  if (missing.empty()) return {"pages", kWorks, "charts by dygraphs, replays by three.js", ""};
+  return {"pages", kMissing, fmt::format("reports and replays lack {}", fmt::join(missing, ", ")),
           "apt install libjs-dygraphs libjs-three"};
 }
 
@@ -124,16 +122,13 @@ std::vector<HealthCheck> check_health(const Catalogue& catalogue) {
 constexpr std::size_t kWidth = 80;
 constexpr std::size_t kTextColumn = 19;
 
-const Names<State> kWords = {
-    {"ok", State::ok}, {"missing", State::missing}, {"broken", State::broken}};
-
-std::size_t count(const std::vector<HealthCheck>& checks, State state) {
+std::size_t count(const std::vector<HealthCheck>& checks, const std::string& state) {
   return static_cast<std::size_t>(std::ranges::count(checks, state, &HealthCheck::state));
 }
 
 std::string summary(const std::vector<HealthCheck>& checks) {
-  const std::size_t broken = count(checks, State::broken);
-  const std::size_t missing = count(checks, State::missing);
+  const std::size_t broken = count(checks, kBroken);
+  const std::size_t missing = count(checks, kMissing);
   if (broken > 0) return fmt::format("{} of {} broken", broken, checks.size());
   if (missing == 0) return "all works";
   return fmt::format("all that is there works; {} of {} missing, which are optional", missing,
@@ -144,7 +139,7 @@ void print_checks(const std::vector<HealthCheck>& checks) {
   const std::string indent(kTextColumn, ' ');
   for (const HealthCheck& check : checks) {
     const std::vector<std::string> lines = wrapped(one_line(check.found), kWidth - kTextColumn);
-    fmt::print("{:<10}{:<9}{}\n", check.what, name_of(kWords, check.state), lines.front());
+    fmt::print("{:<10}{:<9}{}\n", check.what, check.state, lines.front());
     for (std::size_t i = 1; i < lines.size(); ++i) fmt::print("{}{}\n", indent, lines[i]);
     if (check.install.empty()) continue;
     for (const std::string& line : wrapped(check.install, kWidth - kTextColumn - 2)) {
@@ -167,7 +162,7 @@ int doctor_main(const Catalogue& catalogue, int argc, const char* const* argv) {
     if (const auto status = parse(app, argc, argv)) return *status;
     const std::vector<HealthCheck> checks = check_health(catalogue);
     print_checks(checks);
-    return static_cast<int>(count(checks, State::broken) == 0 ? kSuccess : kDefect);
+    return static_cast<int>(count(checks, kBroken) == 0 ? kSuccess : kDefect);
   });
 }
 

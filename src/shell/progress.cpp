@@ -43,7 +43,7 @@ Progress::Progress(std::string what, std::vector<double> weights, bool quiet)
       drawn_(start_) {}
 
 Progress::~Progress() {
-  clear();
+  if (visible_ && in_place_) std::fputs("\r\033[K", stderr);
 }
 
 void Progress::update(std::size_t job, double fraction_done) {
@@ -74,10 +74,6 @@ void Progress::draw() {
   }
   std::fputs(line.c_str(), stderr);
   std::fflush(stderr);
-}
-
-void Progress::clear() const {
-  if (visible_ && in_place_) std::fputs("\r\033[K", stderr);
 }
 
 std::size_t output_width() {

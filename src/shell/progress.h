@@ -24,7 +24,6 @@ class Progress {
 
  private:
   void draw();
-  void clear() const;
 
   std::string what_;
   std::vector<double> weights_;
