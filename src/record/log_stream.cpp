@@ -22,10 +22,6 @@ constexpr const char* kLog = "log.h5";
 constexpr std::size_t kCopiedAtOnce = 1 << 20;
 constexpr std::chrono::milliseconds kBetweenWrites(500);
 
-bool same_dataset(const LogEntry& a, const LogEntry& b) {
-  return a.group == b.group && a.name == b.name && a.rows == b.rows && a.width == b.width;
-}
-
 using RowsOf = std::size_t (Track::*)() const;
 
 std::vector<LogEntry> all_datasets(const std::vector<Track>& tracks, RowsOf rows) {
@@ -150,13 +146,13 @@ fs::path LogStream::finish(const std::vector<Track>& tracks) {
     return log;
   }
   write_rows();
-  const std::vector<LogEntry> whole = all_datasets(tracks, &Track::rows);
-  if (std::equal(whole.begin(), whole.end(), datasets_.begin(), datasets_.end(), same_dataset)) {
-    return log;
-  }
+  const bool is_whole = std::ranges::all_of(tracks, [](const Track& track) {
+    return track.is_streamed() && track.rows() == track.room();
+  });
+  if (is_whole && tracks.size() == tracks_.size()) return log;
   // log.h5 stays as it is, in case that this process is killed now.
   fs::path other = folder_ / ".log.h5.partial-whole";
-  const std::vector<std::uint64_t> places = lay_out_hdf5_log(other, whole);
+  const auto places = lay_out_hdf5_log(other, all_datasets(tracks, &Track::rows));
   std::ifstream from(log, std::ios::binary);
   DataFile to(other, O_RDWR);
   auto place = places.begin();
