@@ -39,10 +39,6 @@ fs::path without_slash(const fs::path& folder) {
   return normal.has_filename() ? normal : normal.parent_path();
 }
 
-bool is_of_this_host(const std::string& suffix) {
-  return suffix.substr(0, suffix.rfind('-')) == host_name();
-}
-
 // A run, or an identification.
 bool is_finished(const fs::path& folder) {
   return is_run_folder(folder) || fs::exists(folder / kIdentified);
@@ -71,7 +67,8 @@ void restore_earlier(const fs::path& target, const std::set<std::string>* beside
   for (const std::string& suffix : suffixes(target, kEarlierMark, beside)) {
     const fs::path earlier = target.parent_path() / (hidden_name(target, kEarlierMark) + suffix);
     // A process of another host may still be replacing the run. It then only fails to do so.
-    const bool is_left = is_of_dead_process(suffix) || !is_of_this_host(suffix);
+    const bool is_of_this_host = suffix.substr(0, suffix.rfind('-')) == host_name();
+    const bool is_left = is_of_dead_process(suffix) || !is_of_this_host;
     if (!is_left || !is_finished(earlier)) continue;
     const fs::file_time_type time = fs::last_write_time(earlier / "manifest.json", error);
     if (latest.empty() || time > latest_time) {
@@ -118,10 +115,6 @@ bool is_working_folder(const fs::path& folder) {
   return std::mismatch(there.begin(), there.end(), here.begin(), here.end()).first == there.end();
 }
 
-bool may_be_replaced(const fs::path& folder) {
-  return complaint_of(folder).empty();
-}
-
 void remove_abandoned(const fs::path& target, const std::set<std::string>* left) {
   std::error_code ignored;
   const auto beside = [&](const char* mark, const std::string& suffix) {
@@ -129,7 +122,7 @@ void remove_abandoned(const fs::path& target, const std::set<std::string>* left)
   };
   for (const std::string& suffix : suffixes(target, kEarlierMark, left)) {
     const fs::path earlier = beside(kEarlierMark, suffix);
-    if (!is_of_dead_process(suffix) || !may_be_replaced(earlier)) continue;
+    if (!is_of_dead_process(suffix) || !complaint_of(earlier).empty()) continue;
     // An incomplete folder must not count as a run.
     fs::rename(earlier, beside(kPartialMark, suffix), ignored);
   }
@@ -177,7 +170,7 @@ void put_in_place(const fs::path& partial, const fs::path& target) {
   }
   exchange(partial, target);
   // The target may have changed during the run.
-  if (!may_be_replaced(partial)) {
+  if (!complaint_of(partial).empty()) {
     exchange(partial, target);
     cannot_replace(target, "it holds something that is not a run; it is left alone");
   }

@@ -24,9 +24,8 @@ inline constexpr const char* kKept = "kept";
 std::set<std::string> hidden_names_in(const std::filesystem::path& folder);
 
 /// Files are written into a partial folder beside the target, or beside the folder that a symbolic
-/// link names. commit() renames it when it is
-/// complete and on the disk, and removes an earlier run. Without commit(), nothing is left, not
-/// even parent folders that were made for it.
+/// link names. commit() renames it when it is complete and on the disk, and removes an earlier run.
+/// Without commit(), nothing is left, not even parent folders that were made for it.
 ///
 /// After a kill or a power failure, the earlier run or the new one is there. The next run removes
 /// the rest. A partial folder with kKept always stays.
