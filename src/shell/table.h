@@ -19,9 +19,9 @@ class Table {
     rows_.push_back(std::move(row));
   }
 
-  /// Splits a table wider than `width` characters into several, each with the labels and
-  /// without rows that have nothing in it. A table with
-  /// one label is transposed before if that takes fewer lines.
+  /// Splits a table wider than `width` characters into several, each with the labels and without
+  /// rows that have nothing in it. A table with one label is transposed before if that takes fewer
+  /// lines.
   std::string print(std::size_t width) const;
 
  private:
