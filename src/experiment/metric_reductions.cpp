@@ -236,58 +236,50 @@ class RmsPerValue final : public Reduction {
   SampleStatistics squares_;
 };
 
-// The number of times that a value turns back by more than `band` from its farthest point. The
-// first motion is not a turn.
-class ReversalCount {
- public:
-  explicit ReversalCount(double band) : band_(band) {}
-
-  void add(double value) {
-    if (way_ == 0.0) {
-      smallest_ = std::min(smallest_, value);
-      largest_ = std::max(largest_, value);
-      if (value > smallest_ + band_) set_out(1.0, value);
-      if (value < largest_ - band_) set_out(-1.0, value);
-    } else if (way_ * (value - farthest_) > 0.0) {
-      farthest_ = value;
-    } else if (way_ * (farthest_ - value) > band_) {
-      ++count_;
-      set_out(-way_, value);
-    }
-  }
-
-  int value() const { return count_; }
-
- private:
-  void set_out(double way, double from) {
-    way_ = way;
-    farthest_ = from;
-  }
-
-  double band_;
-  int count_ = 0;
-  double way_ = 0.0;  // direction: 1, -1, or 0 before the first motion
-  double farthest_ = 0.0;
-  double smallest_ = std::numeric_limits<double>::infinity();
-  double largest_ = -std::numeric_limits<double>::infinity();
-};
-
-// The largest number of all values.
+// The largest number of times that one of the values turns back by more than the level from its
+// farthest point. The first motion is not a turn.
 class Reversals final : public Reduction {
  public:
   explicit Reversals(const ReductionSetup& setup)
-      : Reduction(setup), counts_(setup.values, ReversalCount(std::abs(setup.level.value()))) {}
+      : Reduction(setup), band_(std::abs(setup.level.value())), motions_(setup.values) {}
   void add(const AddedValues& added) override {
-    for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i].add(added.all[i]);
+    for (std::size_t i = 0; i < motions_.size(); ++i) motions_[i].add(added.all[i], band_);
   }
   std::optional<double> value() const override {
     int most = 0;
-    for (const ReversalCount& count : counts_) most = std::max(most, count.value());
+    for (const Motion& motion : motions_) most = std::max(most, motion.turns);
     return most;
   }
 
  private:
-  std::vector<ReversalCount> counts_;
+  struct Motion {
+    void add(double value, double band) {
+      if (way == 0.0) {
+        smallest = std::min(smallest, value);
+        largest = std::max(largest, value);
+        if (value > smallest + band) set_out(1.0, value);
+        if (value < largest - band) set_out(-1.0, value);
+      } else if (way * (value - farthest) > 0.0) {
+        farthest = value;
+      } else if (way * (farthest - value) > band) {
+        ++turns;
+        set_out(-way, value);
+      }
+    }
+    void set_out(double to, double from) {
+      way = to;
+      farthest = from;
+    }
+
+    int turns = 0;
+    double way = 0.0;  // direction: 1, -1, or 0 before the first motion
+    double farthest = 0.0;
+    double smallest = kOpen;
+    double largest = -kOpen;
+  };
+
+  double band_;
+  std::vector<Motion> motions_;
 };
 
 class Decay final : public Reduction {
