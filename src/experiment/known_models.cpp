@@ -8,11 +8,6 @@
 
 namespace breakwater {
 
-void KnownModels::note(const std::string& file) {
-  const std::lock_guard lock(mutex_);
-  noted(file);
-}
-
 const KnownModels::Files& KnownModels::noted(const std::string& file) {
   const auto found = models_.find(file);
   if (found != models_.end()) return found->second;

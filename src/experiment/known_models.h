@@ -18,10 +18,8 @@ namespace breakwater {
 /// and is unchanged after the run.
 class KnownModels {
  public:
-  /// Reads an MJCF file and all files that it includes, unless they are known.
-  void note(const std::string& file);
   /// The hashes of these files and of those that they include, as they were when they were first
-  /// noted. It notes unknown ones now. Throws std::invalid_argument `FILE: cannot be read`.
+  /// noted: at the first call. Throws std::invalid_argument `FILE: cannot be read`.
   ModelHashes of(const std::vector<std::string>& files);
 
   /// Throws std::invalid_argument `FILE: was changed while it ran: start again` if a file has

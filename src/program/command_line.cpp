@@ -342,7 +342,7 @@ int scenario_main(const Catalogue& catalogue, const std::string& scenario,
       return static_cast<int>(kSuccess);
     }
     KnownModels models;
-    const SharedModels shared([&](const std::string& model) { models.note(model); });
+    const SharedModels shared([&](const std::string& model) { models.of({model}); });
     stop_on_signals();
     const Call call = {catalogue, scenario, file, video_program, arguments, models};
     try {

@@ -265,7 +265,7 @@ class Children {
 
 PointResult run_point(std::size_t point, const PointSource& source, const RunControl& control) {
   KnownModels known;
-  const SharedModels shared([&](const std::string& file) { known.note(file); });
+  const SharedModels shared([&](const std::string& file) { known.of({file}); });
   Common common{source, known};
   return execute(point, control, common);
 }
@@ -275,7 +275,7 @@ std::size_t run_points(const std::vector<std::size_t>& points, const PointSource
   allow_many_files();
   KnownModels own;
   KnownModels& known = options.models != nullptr ? *options.models : own;
-  const SharedModels shared([&](const std::string& file) { known.note(file); });
+  const SharedModels shared([&](const std::string& file) { known.of({file}); });
   Common common{source, known, &shard, options.is_task};
   std::atomic<std::size_t> finished = 0;
   try {
