@@ -34,7 +34,8 @@ SavedRun::SavedRun(const fs::path& folder) : folder_(folder) {
 
 template <typename Read>
 auto SavedRun::read_log(const Read& read) const {
-  const std::string name = log_ ? path_of(*log_) : log_file();
+  // A path of the open file, which this process can open again.
+  const std::string name = log_ ? fmt::format("/proc/self/fd/{}", fileno(log_.get())) : log_file();
   try {
     return read(name);
   } catch (const std::invalid_argument& error) {

@@ -1,5 +1,7 @@
 #include <breakwater/program/scenario_program.h>
 
+#include <filesystem>
+
 #include <breakwater/program/command_line.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/paths.h>
@@ -29,7 +31,8 @@ void set_places(const Catalogue& catalogue, const char* installation) {
 int detail::scenario_program(int argc, const char* const* argv, const Catalogue& catalogue,
                              const std::string& scenario, const char* installation) {
   set_places(catalogue, installation);
-  return scenario_main(catalogue, scenario, neighbour_program("breakwater"), argc, argv);
+  const auto beside = std::filesystem::path(own_program()).replace_filename("breakwater");
+  return scenario_main(catalogue, scenario, beside.string(), argc, argv);
 }
 
 }  // namespace breakwater

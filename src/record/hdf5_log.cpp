@@ -258,8 +258,8 @@ void reserve_headers(const std::string& file, const std::vector<LogEntry>& datas
   }
 }
 
-// HDF5's usual driver asks for the path of a symbolic link. path_of() has none if another run has
-// replaced the log. The driver of stdio does not ask.
+// HDF5's usual driver asks for the path of a symbolic link. One in /proc/self/fd has none if
+// another run has replaced the log. The driver of stdio does not ask.
 hid_t open_to_read(const std::string& file) {
   const Handle stdio(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   require(H5Pset_fapl_stdio(stdio));
@@ -434,10 +434,6 @@ LoggedSignal read_hdf5_signal(const std::string& file, const std::string& datase
     size[0] = std::min<hsize_t>(size[0], most_rows);
     return LoggedSignal{size[0], size[1], read_rows(data, 0, size)};
   });
-}
-
-std::string path_of(std::FILE& file) {
-  return fmt::format("/proc/self/fd/{}", fileno(&file));
 }
 
 std::size_t written_rows(const std::string& file, const std::string& track) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -78,9 +77,6 @@ LoggedSignal read_hdf5_signal(const std::string& file, const std::string& datase
 /// The number of rows that a run has written into a track whose later times are NaN. Throws
 /// std::invalid_argument if the file is no log or has no such track. Thread-safe.
 std::size_t written_rows(const std::string& file, const std::string& track);
-
-/// A path of an open file, which this process can open again.
-std::string path_of(std::FILE& file);
 
 /// Reads a log of unknown origin in a child process; only its headers without `has_values`. HDF5
 /// never ends on some files, and crashes on others. Throws std::invalid_argument if it is not a

@@ -70,10 +70,6 @@ std::string own_program_name() {
   return std::filesystem::path(own_program()).filename().string();
 }
 
-std::string neighbour_program(const std::string& name) {
-  return (std::filesystem::path(own_program()).parent_path() / name).string();
-}
-
 int call_program(const std::string& what, std::vector<std::string> words) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());

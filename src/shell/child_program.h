@@ -15,10 +15,9 @@ namespace breakwater {
 /// Python.
 inline pid_t (*start_copy)(const std::vector<std::string>& words, int output) = nullptr;
 
-/// The running program, its name ("breakwater", or a user's), and a program beside it.
+/// The running program, and its name ("breakwater", or a user's).
 std::string own_program();
 std::string own_program_name();
-std::string neighbour_program(const std::string& name);
 
 /// A word that a shell takes literally, with quotes if they are necessary: "/tmp/x", "'/tmp/my
 /// study'".
