@@ -248,7 +248,7 @@ void KalmanEstimator::predict(const Vector& held_input, const Vector& y) {
   }
   has_prior_ = false;
   output(C_, innovation_);
-  innovation_ = y - innovation_;
+  for (Eigen::Index i = 0; i < y.size(); ++i) innovation_(i) = y(i) - innovation_(i);
   compute_output_covariance();
   if (!(instant_std_s_ > 0.0)) return;
   // Adds the effect of the uncertain time to R.
