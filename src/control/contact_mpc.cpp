@@ -44,8 +44,7 @@ ContactMpc::ContactMpc(const ArmSetup& arm, const ContactMpcDesign& design)
       samples_per_move_(samples_per_move(design.period_s, arm.period_s)),
       lmpc_(contact_problem(design, arm.task.force_reference_N)),
       forget_(arm.task.force_lag_s > 0.0 ? math::exp(-arm.period_s / arm.task.force_lag_s) : 0.0),
-      told_wall_x_m_(arm.task.wall_x_m + design.wall_error_m),
-      wall_x_m_(told_wall_x_m_) {
+      wall_x_m_(arm.task.wall_x_m + design.wall_error_m) {
   refuse_unless(std::isfinite(wall_x_m_), "contact prediction: needs a wall whose place is known");
   for (Eigen::Index i = 0; i < 2 * design.prediction_steps; i += 2) {
     lmpc_.reference()(i) = arm.task.force_reference_N / design.path.impact.stiffness_N_m;
@@ -60,16 +59,15 @@ void ContactMpc::restart() {
   PathControl::restart();
   lmpc_.reset();
   sample_ = 0;
-  wall_x_m_ = told_wall_x_m_;
+  wall_x_m_ = task().wall_x_m + design_.wall_error_m;
   depth_f_m_ = 0.0;
 }
 
 double ContactMpc::path_acceleration() {
   correct_wall(X_hat_[0] - wall_x_m_);
   if (sample_++ % samples_per_move_ == 0) {
-    state_ << X_hat_[0] - wall_x_m_, velocity_[0];
     // The bounds are on a_x itself, so each optimisation starts from any last input.
-    lmpc_.optimise(state_);
+    lmpc_.optimise(Eigen::Vector2d(X_hat_[0] - wall_x_m_, velocity_[0]));
   }
   return lmpc_.u()(0);
 }

@@ -45,10 +45,8 @@ class ContactMpc final : public PathControl {
   std::int64_t sample_ = 0;
   Lmpc lmpc_;
   double forget_;  // memory of the sensor's lag in one sample
-  double told_wall_x_m_;
   double wall_x_m_;
   double depth_f_m_ = 0.0;  // max(0, δ) behind the lag
-  Eigen::Vector2d state_{0.0, 0.0};
 };
 
 /// The problem of a ContactMpc for a path with this period. Throws std::invalid_argument as dlqr().

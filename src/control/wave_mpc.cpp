@@ -71,7 +71,7 @@ AxisMpc::AxisMpc(const StateSpace& axis, const WaveMpcDesign& design, double r, 
       pushed_(Eigen::VectorXd::Zero(axis.states())),
       next_(pushed_) {}
 
-double AxisMpc::input(const Eigen::VectorXd& state,
+double AxisMpc::input(const Eigen::Ref<const Eigen::VectorXd>& state,
                       const Eigen::Ref<const Eigen::RowVectorXd>& disturbance) {
   const Eigen::Index n = sampled_.states();
   pushed_.setZero();
@@ -124,15 +124,14 @@ void WaveMpc::move(double time_s) {
       (motion_.head<3>() - law().design().reference.head<3>()).cwiseMax(-clamp_m).cwiseMin(clamp_m);
   forecast_->update(time_s, estimator(), forces_);
   furthest_ = forces_.rightCols<1>();
-  vertical_ << off.z(), motion_(8);
-  held_.z() = z_.input(vertical_, forces_.row(2));
+  held_.z() = z_.input(Eigen::Vector2d(off.z(), motion_(8)), forces_.row(2));
   // The tilt gives the horizontal force, and its rate too; near level and for a small yaw.
   const double up = held_.z() + law().nominal().parameters().net_weight_N();
   const Eigen::Vector3d tilt = attitude.thrust_axis();
-  horizontal_ << off.x(), motion_(6), up * tilt.x(), up * motion_(10);
-  held_.x() = x_.input(horizontal_, forces_.row(0));
-  horizontal_ << off.y(), motion_(7), up * tilt.y(), -up * motion_(9);
-  held_.y() = y_.input(horizontal_, forces_.row(1));
+  held_.x() = x_.input(Eigen::Vector4d(off.x(), motion_(6), up * tilt.x(), up * motion_(10)),
+                       forces_.row(0));
+  held_.y() = y_.input(Eigen::Vector4d(off.y(), motion_(7), up * tilt.y(), -up * motion_(9)),
+                       forces_.row(1));
   iterations_ = x_.lmpc().iterations() + y_.lmpc().iterations() + z_.lmpc().iterations();
 }
 

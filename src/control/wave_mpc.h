@@ -38,7 +38,7 @@ class AxisMpc {
   void reset() { lmpc_.reset(); }
   /// The next input from the state, whose position is relative to the reference, and the forecast
   /// (N_p + 1). Allocates nothing. Throws ControlFailure as Lmpc does.
-  double input(const Eigen::VectorXd& state,
+  double input(const Eigen::Ref<const Eigen::VectorXd>& state,
                const Eigen::Ref<const Eigen::RowVectorXd>& disturbance);
 
   const Lmpc& lmpc() const { return lmpc_; }
@@ -76,8 +76,6 @@ class WaveMpc final : public QuadrotorController {
   std::int64_t sample_ = 0;
   AxisMpc x_, y_, z_;
   ForceTable forces_;
-  Eigen::VectorXd horizontal_{4};
-  Eigen::VectorXd vertical_{2};
   Eigen::Vector3d held_ = Eigen::Vector3d::Zero();      // the vehicle's own force, without weight
   Eigen::Vector3d furthest_ = Eigen::Vector3d::Zero();  // forecast at the end of the horizon
   double iterations_ = 0.0;
