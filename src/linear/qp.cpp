@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include <breakwater/linear/active_set.h>
@@ -39,7 +38,7 @@ void QpSolution::set_nothing(QpStatus why) {
   iterations = 0;
   z.setZero();
   mu.setZero();
-  kkt_residual = std::numeric_limits<double>::infinity();
+  kkt_residual = kNoBound;
 }
 
 double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution& solution,
@@ -173,8 +172,8 @@ void QpSolver::solve(const QpInput& input, QpSolution& solution) {
 }
 
 std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model, int max_sweeps) {
+  refuse_unless(max_sweeps >= 1, "quadratic program: the cap must be positive");
   if (kind == QpSolverKind::hildreth) return std::make_unique<HildrethQp>(model, max_sweeps);
-  if (max_sweeps < 1) throw std::invalid_argument("quadratic program: the cap must be positive");
   const auto size = static_cast<int>(model.H.rows() + model.Omega.rows());
   return std::make_unique<ActiveSetQp>(model, 100 + kChangesPerRow * size);
 }
@@ -187,9 +186,7 @@ HildrethQp::HildrethQp(const QpModel& model, int max_sweeps)
       values_free_(lambda_upper_),
       values_(lambda_upper_),
       z_free_(Eigen::VectorXd::Zero(factors_.variables())),
-      gradient_(z_free_) {
-  if (max_sweeps < 1) throw std::invalid_argument("Hildreth: needs a cap of at least 1 sweep");
-}
+      gradient_(z_free_) {}
 
 void HildrethQp::reset() {
   lambda_upper_.setZero();
@@ -203,10 +200,8 @@ void HildrethQp::find(const QpInput& input, bool is_empty, QpSolution& solution)
     if (input.lower(i) > 0.0 || input.upper(i) < 0.0) unmet = i;
   }
   // An infinite bound has no multiplier.
-  lambda_upper_ =
-      (input.upper.array() < std::numeric_limits<double>::infinity()).select(lambda_upper_, 0.0);
-  lambda_lower_ =
-      (input.lower.array() > -std::numeric_limits<double>::infinity()).select(lambda_lower_, 0.0);
+  lambda_upper_ = (input.upper.array() < kNoBound).select(lambda_upper_, 0.0);
+  lambda_lower_ = (input.lower.array() > -kNoBound).select(lambda_lower_, 0.0);
   z_free_.noalias() = -factors_.H_inverse * input.g;
   solution.mu = lambda_upper_ - lambda_lower_;
   values_free_.noalias() = factors_.columns * z_free_;

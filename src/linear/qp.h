@@ -167,7 +167,7 @@ std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model
 /// System Design and Implementation Using MATLAB (2009), 2.4.4.
 class HildrethQp final : public QpSolver {
  public:
-  /// Throws std::invalid_argument as make_qp_solver() does.
+  /// `max_sweeps` > 0. Throws std::invalid_argument as make_qp_solver() does.
   HildrethQp(const QpModel& model, int max_sweeps);
 
   void reset() override;
