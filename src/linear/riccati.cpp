@@ -237,7 +237,7 @@ bool is_positive_semidefinite(const Eigen::MatrixXd& matrix) {
       scaled(i, j) = scaled(i, j) / root(i) / root(j);
     }
   }
-  const double rounding = kSymmetric * static_cast<double>(matrix.rows());
+  const double rounding = kSymmetric * static_cast<double>(matrix.size());
   if (!(scaled.cwiseAbs().maxCoeff() <= 1.0 + rounding)) return false;
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(scaled, Eigen::EigenvaluesOnly);
   return eigen.eigenvalues().minCoeff() >= -rounding;
