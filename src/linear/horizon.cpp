@@ -6,6 +6,8 @@
 #include <breakwater/math/refuse_unless.h>
 
 namespace breakwater {
+namespace {
+
 void check(const Horizon& horizon) {
   const Eigen::Index n = horizon.A.rows();
   const Eigen::Index m = horizon.B.cols();
@@ -27,8 +29,6 @@ void check(const Horizon& horizon) {
                   "horizon: a row has a step or component that does not exist");
   }
 }
-
-namespace {
 
 // Sweeps for n states and one input.
 template <int n>

@@ -33,10 +33,6 @@ struct Horizon {
   std::vector<Row> rows;
 };
 
-/// Throws std::invalid_argument if the shapes do not fit, a horizon is invalid, or a row does not
-/// exist.
-void check(const Horizon& horizon);
-
 /// Products with H and Ω by simulation of the plant forwards and of its adjoint backwards. They
 /// take about N_p (n² + n m) multiplications instead of (N_u m)² or more. They differ from the
 /// dense products by rounding. Nothing is allocated after construction.
@@ -60,7 +56,8 @@ class HorizonSweeps : public Interface {
                      Eigen::VectorXd& g) = 0;
 };
 
-/// Returns nullptr unless the plant has up to 4 states and one input. Throws as check() does.
+/// Returns nullptr unless the plant has up to 4 states and one input. Throws std::invalid_argument
+/// if the shapes do not fit, a horizon is invalid, or a row does not exist.
 std::unique_ptr<HorizonSweeps> make_horizon_sweeps(const Horizon& horizon);
 
 }  // namespace breakwater
