@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
-#include <string>
 
 #include <breakwater/control/controller.h>
 #include <breakwater/linear/riccati.h>
@@ -42,14 +40,6 @@ Prediction predict(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, int predi
   return prediction;
 }
 namespace {
-
-void check_weight(const Eigen::MatrixXd& weight, Eigen::Index size, const std::string& name) {
-  if (weight.rows() != size || weight.cols() != size || !is_positive_semidefinite(weight)) {
-    throw std::invalid_argument("predictive control: " + name + " must be " + std::to_string(size) +
-                                "×" + std::to_string(size) +
-                                ", symmetric and positive semidefinite");
-  }
-}
 
 // U = C_1 u + C_2 ΔU, where C_1 is the first block column of C_2.
 Eigen::MatrixXd sums(int steps, Eigen::Index inputs) {
@@ -106,10 +96,14 @@ QpModel Lmpc::make_model() {
   const int N_p = design_.prediction_steps;
   const int N_u = design_.control_steps;
   if (design_.S.size() == 0) design_.S = Eigen::MatrixXd::Zero(m, m);
-  check_weight(design_.Q, n, "Q");
-  check_weight(design_.Q_last, n, "the last Q");
-  check_weight(design_.R, m, "R");
-  check_weight(design_.S, m, "S");
+  add_rows(RowKind::change, design_.change_bounds, m);
+  add_rows(RowKind::input, design_.input_bounds, m);
+  add_rows(RowKind::state, design_.state_bounds, n);
+  design_.rows.assign(rows_.begin(), rows_.end());
+  QpModel model{{}, QpModel::RowMajor(rows_.size(), N_u * m), make_horizon_sweeps(design_)};
+  refuse_unless(is_positive_semidefinite(design_.Q) && is_positive_semidefinite(design_.Q_last) &&
+                    is_positive_semidefinite(design_.R) && is_positive_semidefinite(design_.S),
+                "predictive control: the weights must be symmetric and positive semidefinite");
 
   weighted_ = prediction_.Theta.transpose();
   for (int i = 0; i < N_p; ++i) {
@@ -126,12 +120,7 @@ QpModel Lmpc::make_model() {
   H += weighted_inputs * C2;
   sums_ = weighted_inputs * C2.leftCols(m);
 
-  add_rows(RowKind::change, design_.change_bounds, m);
-  add_rows(RowKind::input, design_.input_bounds, m);
-  add_rows(RowKind::state, design_.state_bounds, n);
-  design_.rows.assign(rows_.begin(), rows_.end());
-  QpModel model{0.5 * (H + H.transpose()), QpModel::RowMajor(rows_.size(), N_u * m),
-                make_horizon_sweeps(design_)};
+  model.H = 0.5 * (H + H.transpose());
   const Eigen::MatrixXd changes = Eigen::MatrixXd::Identity(N_u * m, N_u * m);
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const RowKind kind = rows_[i].kind;
