@@ -15,7 +15,7 @@ EstimatingControl::EstimatingControl(std::shared_ptr<DisturbanceEstimator> estim
       "control of an axis: the estimator must be for the same plant");
   refuse_unless(design.force_limit > 0.0, "control of an axis: the force limit must be positive");
   const AxisUnits& units = design.units;
-  publish({"reference_" + units.position_suffix, units.position, "reference", view(reference_)});
+  publish({"reference_" + units.position, units.position, "reference", view(reference_)});
   for (const Signal& signal : estimate_signals(*estimator_, units)) publish(signal);
   for (const Signal& signal : signals_of(*estimator_, units.position)) publish(signal);
   if (design.period_s == 0.0) return;

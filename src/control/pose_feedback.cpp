@@ -29,8 +29,7 @@ PoseFeedback::PoseFeedback(std::shared_ptr<DisturbanceEstimator> estimator,
                          const double& value) {
       publish({axis.name + "_" + name, unit, what, view(value)});
     };
-    add("position_hat_" + units.position_suffix, units.position, "position, estimated",
-        position_hat_(i));
+    add("position_hat_" + units.position, units.position, "position, estimated", position_hat_(i));
     add("velocity_hat_" + units.velocity_suffix, units.velocity, "velocity, estimated",
         *(estimator_->state().data() + error_.size() / 2 + state));
     if (!axis.is_driven) continue;

@@ -90,13 +90,13 @@ inline std::vector<Signal> estimate_signals(const DisturbanceEstimator& estimato
   const double* x = estimator.state().data();
   const bool knows_spring = estimator.state().size() == 4;
   std::vector<Signal> signals = {
-      {"position_hat_" + units.position_suffix, units.position, "position, estimated", view(x[0])},
+      {"position_hat_" + units.position, units.position, "position, estimated", view(x[0])},
       {"velocity_hat_" + units.velocity_suffix, units.velocity, "velocity, estimated", view(x[1])},
       {"d_hat_" + units.force_suffix, units.force,
        knows_spring ? "disturbance at the load, estimated" : "disturbance at the drive, estimated",
        view(*estimator.disturbance().data())}};
   if (knows_spring) {
-    signals.push_back({"other_position_hat_" + units.position_suffix, units.position,
+    signals.push_back({"other_position_hat_" + units.position, units.position,
                        "position of the side without the encoder, estimated", view(x[2])});
     signals.push_back({"other_velocity_hat_" + units.velocity_suffix, units.velocity,
                        "velocity of the side without the encoder, estimated", view(x[3])});

@@ -73,7 +73,7 @@ std::vector<std::pair<MetricDefinition, std::optional<double>>> metrics_of(
       {{"std_disturbance_" + units.force_suffix, units.force,
         "standard deviation of the estimated disturbance over all rows"},
        d.standard_deviation()},
-      {{"rms_innovation_" + units.position_suffix, units.position,
+      {{"rms_innovation_" + units.position, units.position,
         "root mean square of the innovation e, the measured position minus the predicted one"},
        std::sqrt(e.squares / e.count)},
       {{"innovation_correlation_1", "1",
@@ -240,10 +240,9 @@ Recording RecordedEstimation::run(const RunControl& control) const {
     return view(*(values.data() + i));
   };
   std::vector<Signal> signals = {
-      {"position_measured_" + units.position_suffix, units.position, "y of the record",
-       view(position)},
+      {"position_measured_" + units.position, units.position, "y of the record", view(position)},
       {"applied_" + units.force_suffix, units.force, "u of the record", view(input)},
-      {"position_hat_" + units.position_suffix, units.position, "position, estimated",
+      {"position_hat_" + units.position, units.position, "position, estimated",
        part(estimator->state(), 0)},
       {"velocity_hat_" + units.velocity_suffix, units.velocity, "velocity, estimated",
        part(estimator->state(), 1)},

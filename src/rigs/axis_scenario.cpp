@@ -216,7 +216,7 @@ RigRun AxisScenario::make_run(AxisRig& rig, const AxisLoop& loop) const {
     const AxisUnits& units = plant_.axis().axis.units;
     if (loop.estimates()) run.for_metrics = estimate_signals(*loop.estimator, units);
     run.for_metrics.push_back(
-        {"reference_" + units.position_suffix, units.position, "", view(rig.reference())});
+        {"reference_" + units.position, units.position, "", view(rig.reference())});
   }
   extend(run, rig, loop);
   return run;

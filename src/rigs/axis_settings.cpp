@@ -117,7 +117,7 @@ void AxisSettings::bind(Fields& fields) {
     fields.optional_text("position_sensor", axis.position_sensor,
                          "sensor of the model that measures the position; joint: the joint itself");
   }
-  fields.optional_number("start.position_" + u.position_suffix, start_position, any(),
+  fields.optional_number("start.position_" + u.position, start_position, any(),
                          "distance of the start from the pose of start.keyframe");
   fields.optional_number("start.velocity_" + u.velocity_suffix, start_velocity, any(),
                          "velocity at the start");
@@ -129,7 +129,7 @@ void AxisSettings::bind(Fields& fields) {
                           {"csv", ReferenceShape::csv}},
                          "reference of the position: hold the pose of start.keyframe, step from it "
                          "to a value, a sine about it, or a table");
-  const std::string value = "reference.value_" + u.position_suffix;
+  const std::string value = "reference.value_" + u.position;
   fields.number(value, reference.value, any(), "position after a step; amplitude of a sine");
   if (!of_motor) fields.standard(value, {reference.value});
   fields.optional_number("reference.from_s", reference.from_s, not_negative(),
@@ -150,7 +150,7 @@ void AxisSettings::bind(Fields& fields) {
   disturbance.bind(fields, u.force_suffix, u.force);
   fields.standard("disturbance.kind", {std::string(is_step ? "step" : "none")});
   fields.standard("disturbance.amplitude_" + u.force_suffix, {0.0});
-  fields.optional_number("disturbance.output_" + u.position_suffix, output.amplitude, any(),
+  fields.optional_number("disturbance.output_" + u.position, output.amplitude, any(),
                          "d_o: error of the measured position from disturbance.start_s on");
 }
 
@@ -178,10 +178,10 @@ void AxisSettings::bind_parts(Fields& fields) {
     fields.only_where({"encoder.bits", "encoder.multiplication", "encoder.gear_ratio"},
                       "encoder.counts_per_turn is 0", [this] { return counts_per_turn == 0.0; });
   } else {
-    fields.optional_number("encoder.resolution_" + u.position_suffix, encoder.quantum,
-                           not_negative(), "encoder resolution, one count; 0: not quantised");
+    fields.optional_number("encoder.resolution_" + u.position, encoder.quantum, not_negative(),
+                           "encoder resolution, one count; 0: not quantised");
   }
-  fields.optional_number("encoder.phase_" + u.position_suffix, encoder.phase, any(),
+  fields.optional_number("encoder.phase_" + u.position, encoder.phase, any(),
                          "distance of the start from the middle of a count");
   fields.optional_choice(
       "encoder.origin", encoder.origin,
@@ -189,18 +189,18 @@ void AxisSettings::bind_parts(Fields& fields) {
       "zero of the encoder: it counts from the start, or is calibrated to the true 0. The two "
       "differ only with a phase");
   bind_encoder_rounding(fields, encoder.rounding);
-  fields.only_where({"encoder.phase_" + u.position_suffix, "encoder.origin", "encoder.rounding"},
+  fields.only_where({"encoder.phase_" + u.position, "encoder.origin", "encoder.rounding"},
                     "the encoder is quantised", [this] { return quantum() != 0.0; });
-  bind_sine(fields, "encoder.eccentricity", u.position_suffix, encoder.eccentricity, u,
+  bind_sine(fields, "encoder.eccentricity", u.position, encoder.eccentricity, u,
             "amplitude of the error of a scale that is not centred");
-  bind_sine(fields, "encoder.interpolation", u.position_suffix, encoder.interpolation, u,
+  bind_sine(fields, "encoder.interpolation", u.position, encoder.interpolation, u,
             "amplitude of the error between two lines of the scale");
   fields.optional_flag("noise.enabled", has_noise, "add the noise");
-  fields.optional_number("noise.std_" + u.position_suffix, noise_std, not_negative(),
+  fields.optional_number("noise.std_" + u.position, noise_std, not_negative(),
                          "standard deviation of the measurement's white noise");
   fields.optional_number("noise.input_std_" + u.force_suffix, input_noise_std, not_negative(),
                          "standard deviation of a random force, constant in each sample");
-  fields.only_where({"noise.std_" + u.position_suffix, "noise.input_std_" + u.force_suffix},
+  fields.only_where({"noise.std_" + u.position, "noise.input_std_" + u.force_suffix},
                     "noise.enabled is true", [this] { return has_noise; });
   fields.optional_count("sensor.delay_samples", delay_samples, between(0, 1e6),
                         "delay of the measurement in control periods");

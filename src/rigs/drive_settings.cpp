@@ -92,7 +92,7 @@ void TimingSettings::check(const Config& config, const PhysicsSettings& physics)
 
 void TransmissionSettings::bind_plant(Fields& fields, const AxisUnits& u) {
   const std::string stiffness = "transmission.stiffness_" + u.stiffness_suffix();
-  const std::string position = "_" + u.position_suffix, friction = "_" + u.friction_suffix;
+  const std::string position = "_" + u.position, friction = "_" + u.friction_suffix;
   fields.optional_number("transmission.ratio", design.ratio, positive(),
                          "N: motion of the motor for one of the load");
   fields.optional_number(stiffness, design.stiffness, not_negative(),

@@ -7,8 +7,7 @@ namespace breakwater {
 
 /// Suffixes and units of a position, its rate, the force along it and what resists that.
 struct AxisUnits {
-  std::string position_suffix;  ///< "rad"
-  std::string position;         ///< "rad"
+  std::string position;         ///< "rad", which is its suffix too
   std::string velocity_suffix;  ///< "rad_s"
   std::string velocity;         ///< "rad/s"
   std::string force_suffix;     ///< "Nm"
@@ -18,14 +17,14 @@ struct AxisUnits {
   std::string friction_suffix;  ///< suffix of a viscous friction: "Nms_rad"
 
   bool turns() const { return position == "rad"; }
-  std::string stiffness_suffix() const { return force_suffix + "_" + position_suffix; }
+  std::string stiffness_suffix() const { return force_suffix + "_" + position; }
 };
 
 inline AxisUnits rotation_units() {
-  return {"rad", "rad", "rad_s", "rad/s", "Nm", "N m", "inertia", "kgm2", "Nms_rad"};
+  return {"rad", "rad_s", "rad/s", "Nm", "N m", "inertia", "kgm2", "Nms_rad"};
 }
 inline AxisUnits translation_units() {
-  return {"m", "m", "m_s", "m/s", "N", "N", "mass", "kg", "Ns_m"};
+  return {"m", "m_s", "m/s", "N", "N", "mass", "kg", "Ns_m"};
 }
 
 }  // namespace breakwater
