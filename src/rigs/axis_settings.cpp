@@ -339,11 +339,9 @@ NominalAxis AxisPlant::nominal(std::size_t i) const {
                  Eigen::VectorXd::Constant(1, one.measurement_noise()), one.encoder.rounding},
       .pulses_per_revolution = one.pulses_per_revolution(),
       .units = one.axis.units};
-  one.transmission.describe(axis,
-                            one.nominal_from == NominalFrom::model
-                                ? one.model_numbers
-                                : one.transmission.nominal_numbers(),
-                            one.nominal_from);
+  one.transmission.describe(
+      axis, one.nominal_from == NominalFrom::model ? one.model_numbers : one.transmission.nominal,
+      one.nominal_from);
   return axis;
 }
 
@@ -574,7 +572,7 @@ Model AxisPlant::nominal_model() const {
   for (const AxisSettings& one : axes) {
     if (one.nominal_from != NominalFrom::keys) continue;
     const TransmissionSettings& transmission = one.transmission;
-    const TwoInertia numbers = transmission.nominal_numbers();
+    const TwoInertia& numbers = transmission.nominal;
     if (transmission.is_elastic()) {
       if (!(numbers.motor_inertia > 0.0 && numbers.stiffness > 0.0)) {
         throw std::invalid_argument(fmt::format(
@@ -660,6 +658,7 @@ void AxisPlant::check(const Config& config) {
   timing.check(config, physics);
   for (AxisSettings& one : axes) {
     if (one.of_motor) one.transmission = at_joint(*one.of_motor);
+    one.transmission.nominal.ratio = one.transmission.design.ratio;
   }
   if (fine_to_s < fine_from_s) {
     config.fail("record.fine_to_s", "must not be before record.fine_from_s");

@@ -228,12 +228,6 @@ TwoInertia TransmissionSettings::true_numbers(const Model& model, const Eigen::M
   return numbers;
 }
 
-TwoInertia TransmissionSettings::nominal_numbers() const {
-  TwoInertia numbers = nominal;
-  numbers.ratio = design.ratio;
-  return numbers;
-}
-
 TransmissionDesign TransmissionSettings::linear_design(NominalFrom from) const {
   TransmissionDesign linear = design;
   linear.backlash = linear.kinematic_error = 0.0;

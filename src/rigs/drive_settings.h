@@ -85,7 +85,7 @@ struct TransmissionSettings {
   Side measured = Side::load;       ///< the side of the encoder
 
   NominalModel nominal_model = NominalModel::rigid;
-  TwoInertia nominal;  ///< the load's values are keys of the axis; with the true ratio
+  TwoInertia nominal;  ///< the load's values are keys of the axis; AxisPlant sets the true ratio
 
   /// The keys of the plant: `transmission.…`, `friction.side` and `encoder.side`.
   void bind_plant(Fields& fields, const AxisUnits& units);
@@ -128,8 +128,6 @@ struct TransmissionSettings {
   /// transmission includes its motor.
   TwoInertia true_numbers(const Model& model, const Eigen::MatrixXd& M,
                           const std::string& load) const;
-  /// The numbers of the keys nominal.…
-  TwoInertia nominal_numbers() const;
   /// The design without backlash and kinematic error, and from keys with the nominal spring.
   TransmissionDesign linear_design(NominalFrom from) const;
   /// The linear part of the plant, without backlash and kinematic error.
