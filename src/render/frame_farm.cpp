@@ -65,66 +65,36 @@ void say(char (&place)[N], const std::string& text) {
   _exit(EXIT_FAILURE);
 }
 
-// The child processes. They end with this object.
-class Children {
- public:
-  Children(const FrameFarm& farm, const std::function<Drawer(std::size_t)>& start,
-           const std::function<void(const std::uint8_t*)>& take, Shared& shared)
-      : shared_(shared) {
-    const pid_t parent = getpid();
-    for (std::size_t i = 0; i < farm.processes; ++i) {
-      const pid_t pid = fork();
-      if (pid == 0) {
-        // A child ends with its parent, and leaves interruptions to the parent.
-        prctl(PR_SET_PDEATHSIG, SIGKILL);
-        if (getppid() != parent) _exit(EXIT_FAILURE);
-        std::signal(SIGINT, SIG_IGN);
-        std::signal(SIGHUP, SIG_IGN);
-        std::signal(SIGTERM, SIG_DFL);
-        work(i, farm, start, take, shared);
-      }
-      if (pid < 0) {
-        const std::string reason = std::strerror(errno);
-        end();
-        throw RenderError("video: no process can be made to draw it (" + reason + ")");
-      }
-      pids_.push_back(pid);
-    }
-  }
+// The child processes, 0 for one that has ended. They end with this object.
+struct Children {
+  Children() = default;
   Children(const Children&) = delete;
   Children& operator=(const Children&) = delete;
-  ~Children() { end(); }
-
-  // Throws if a child has failed or died.
-  bool are_at_work() {
-    for (pid_t& pid : pids_) {
-      int status = 0;
-      if (pid > 0 && waitpid(pid, &status, WNOHANG) == pid) pid = 0;
-      if (status != 0) fail(status);
-    }
-    return std::any_of(pids_.begin(), pids_.end(), [](pid_t pid) { return pid > 0; });
-  }
-
- private:
-  [[noreturn]] void fail(int status) const {
-    if (shared_.is_output) throw OutputError(shared_.reason);
-    if (shared_.reason[0] != '\0') throw RenderError(shared_.reason);
-    throw RenderError(fmt::format("video: a process that drew it ended ({} {})",
-                                  WIFSIGNALED(status) ? "signal" : "status",
-                                  WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status)));
-  }
-
-  void end() {
-    for (const pid_t pid : pids_) {
+  ~Children() {
+    for (const pid_t pid : pids) {
       if (pid == 0) continue;
       kill(pid, SIGKILL);
       waitpid(pid, nullptr, 0);
     }
   }
 
-  const Shared& shared_;
-  std::vector<pid_t> pids_;
+  std::vector<pid_t> pids;
 };
+
+// Throws if a child has failed or died.
+bool are_at_work(std::vector<pid_t>& pids, const Shared& shared) {
+  for (pid_t& pid : pids) {
+    int status = 0;
+    if (pid > 0 && waitpid(pid, &status, WNOHANG) == pid) pid = 0;
+    if (status == 0) continue;
+    if (shared.is_output) throw OutputError(shared.reason);
+    if (shared.reason[0] != '\0') throw RenderError(shared.reason);
+    throw RenderError(fmt::format("video: a process that drew it ended ({} {})",
+                                  WIFSIGNALED(status) ? "signal" : "status",
+                                  WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status)));
+  }
+  return std::any_of(pids.begin(), pids.end(), [](pid_t pid) { return pid > 0; });
+}
 
 }  // namespace
 
@@ -138,8 +108,26 @@ std::string draw_frames(const FrameFarm& farm, const std::function<Drawer(std::s
   if (memory == MAP_FAILED) throw RenderError("video: there is no memory for it");
   const auto unmap = [](Shared* shared) { munmap(shared, sizeof(Shared)); };
   const std::unique_ptr<Shared, decltype(unmap)> shared(new (memory) Shared{}, unmap);
-  Children children(used, start, take, *shared);
-  while (children.are_at_work()) {
+  Children children;
+  const pid_t parent = getpid();
+  for (std::size_t i = 0; i < used.processes; ++i) {
+    const pid_t pid = fork();
+    if (pid == 0) {
+      // A child ends with its parent, and leaves interruptions to the parent.
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
+      if (getppid() != parent) _exit(EXIT_FAILURE);
+      std::signal(SIGINT, SIG_IGN);
+      std::signal(SIGHUP, SIG_IGN);
+      std::signal(SIGTERM, SIG_DFL);
+      work(i, used, start, take, *shared);
+    }
+    if (pid < 0) {
+      throw RenderError(
+          fmt::format("video: no process can be made to draw it ({})", std::strerror(errno)));
+    }
+    children.pids.push_back(pid);
+  }
+  while (are_at_work(children.pids, *shared)) {
     if (farm.stop != nullptr && *farm.stop) throw Interrupted();
     if (farm.progress) {
       farm.progress(static_cast<double>(shared->taken) / static_cast<double>(farm.frames));
