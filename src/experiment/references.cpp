@@ -21,10 +21,4 @@ std::map<std::string, PublishedValue> published_values(const Catalogue& catalogu
   return values;
 }
 
-std::string reference_legend(const Catalogue& catalogue) {
-  std::string legend;
-  for (const ReferenceKind& source : catalogue.all<ReferenceKind>()) legend += source.legend;
-  return legend;
-}
-
 }  // namespace breakwater

@@ -45,7 +45,4 @@ std::map<std::string, PublishedValue> published_values(const Catalogue& catalogu
                                                        const std::string& scenario,
                                                        const std::string& case_name);
 
-/// The legends of all sources.
-std::string reference_legend(const Catalogue& catalogue);
-
 }  // namespace breakwater

@@ -10,7 +10,6 @@
 
 #include <breakwater/config/unit_of.h>
 #include <breakwater/record/run_folder.h>
-#include <breakwater/shell/child_program.h>
 #include <breakwater/signals/input_file.h>
 
 namespace breakwater {
@@ -85,10 +84,6 @@ RunManifest read_manifest(const std::filesystem::path& folder) {
   get_if_there("absent", absent);
   for (const auto& [name, reason] : absent) manifest.absent.push_back({name, "", reason});
   return manifest;
-}
-
-std::string where_the_log_is(const std::filesystem::path& folder) {
-  return "its log so far is in " + shell_word(folder.string());
 }
 
 std::vector<Metric> read_metrics(const std::filesystem::path& folder) {

@@ -36,7 +36,4 @@ RunManifest read_manifest(const std::filesystem::path& folder);
 /// if they are missing or damaged.
 std::vector<Metric> read_metrics(const std::filesystem::path& folder);
 
-/// The folder with the log of a streamed run that did not end, in words for messages.
-std::string where_the_log_is(const std::filesystem::path& folder);
-
 }  // namespace breakwater

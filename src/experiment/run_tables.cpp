@@ -31,7 +31,10 @@ bool is_changed(const Catalogue& catalogue, const std::string& scenario, const R
 }
 
 std::string with_legend(const Catalogue& catalogue, const std::string& text) {
-  return text.find(" *") != std::string::npos ? reference_legend(catalogue) + text : text;
+  if (text.find(" *") == std::string::npos) return text;
+  std::string legend;
+  for (const ReferenceKind& source : catalogue.all<ReferenceKind>()) legend += source.legend;
+  return legend + text;
 }
 
 // "+1.2 %", with a mark if the number does not agree.

@@ -22,6 +22,7 @@
 #include <breakwater/record/recording.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/all_cores.h>
+#include <breakwater/shell/child_program.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/sim/engine_guard.h>
 
@@ -75,6 +76,11 @@ ordered_json results_of(const EndedRun& ended, const std::filesystem::path& fold
     if (std::filesystem::exists(path)) entries[path.stem().string() + "_hash"] = file_hash(path);
   }
   return entries;
+}
+
+// The folder with the log of a streamed run that did not end, in words for messages.
+std::string where_the_log_is(const std::filesystem::path& folder) {
+  return "its log so far is in " + shell_word(folder.string());
 }
 
 RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& options,

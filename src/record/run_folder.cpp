@@ -101,8 +101,9 @@ bool is_of_a_run(const std::string& name) {
 std::string complaint_of(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) return "is a file, not a folder";
-  if (const std::string name = other_than_a_runs(folder); !name.empty()) {
-    return "holds " + name + ", which is not a run's; it is left alone";
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!is_of_a_run(name)) return "holds " + name + ", which is not a run's; it is left alone";
   }
   if (fs::is_empty(folder, error) || is_finished(folder)) return "";
   return "holds something that is not a run, or one whose manifest.json is damaged; it is left "
@@ -218,15 +219,6 @@ bool is_run_folder(const fs::path& folder) {
   std::ifstream stream(folder / "manifest.json");
   const auto manifest = nlohmann::json::parse(stream, nullptr, false);
   return manifest.is_object() && manifest.contains("scenario") && manifest.contains("state_hash");
-}
-
-std::string other_than_a_runs(const fs::path& folder) {
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    std::string name = entry.path().filename().string();
-    if (!is_of_a_run(name)) return name;
-  }
-  return "";
 }
 
 bool is_kept(const fs::path& folder) {

@@ -62,9 +62,6 @@ class RunFolder {
 /// Whether a folder holds a finished run, by its manifest.json.
 bool is_run_folder(const std::filesystem::path& folder);
 
-/// The name of something in a folder that is no file of a run; empty if there is none.
-std::string other_than_a_runs(const std::filesystem::path& folder);
-
 /// Whether a folder is a partial one that only the user removes: it has kKept.
 bool is_kept(const std::filesystem::path& folder);
 
