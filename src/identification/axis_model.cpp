@@ -1,9 +1,5 @@
 #include <breakwater/identification/axis_model.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include <breakwater/identification/axis_start.h>
 #include <breakwater/math/functions.h>
 

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include <breakwater/plants/motor_and_load.h>
 #include <breakwater/signals/encoder_rounding.h>
 
 namespace breakwater {
@@ -94,6 +95,19 @@ struct AxisModel {
 /// Source: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083–1138,
 /// Eqs. 3 and 7.
 const AxisModel& friction_axis();
+
+/// A motor and a load with a spring, backlash and friction. The plant of the scenario two_inertia
+/// with the ratio 1,
+///     J_m v̇_m = k u(t − τ) − d₀ − c_m v_m − F_m sgn(v_m) − T,   q̇_m = v_m,
+///     J_l v̇_l = T − c_l v_l − F_l sgn(v_l),                      q̇_l = v_l,
+/// with the torque T of sim/transmission.h. Beyond a play b, T = K z + D (v_m − v_l) and never
+/// pulls. Without a play, T = K (q_m − q_l) + D (v_m − v_l). Each side sticks at v = 0 while the
+/// torques on it are at most its Coulomb friction.
+///
+/// Between events (reversal, stick, slip, contact of a flank) a Taylor polynomial moves it, with an
+/// error below 1e-9 of a step. The motor or the load has the encoder. Its position is NaN if more
+/// than 100 steps a row are needed. The twist of a start is q_m − q_l.
+const AxisModel& two_inertia_axis(Side measured);
 
 /// Records of one axis with one encoder, and the model that explains them.
 struct AxisData {

@@ -19,7 +19,6 @@
 #include <breakwater/identification/axis_model.h>
 #include <breakwater/identification/identified_axis.h>
 #include <breakwater/identification/identified_plants.h>
-#include <breakwater/identification/two_inertia_axis.h>
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/record/text_outputs.h>

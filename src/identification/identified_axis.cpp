@@ -8,7 +8,6 @@
 #include <cmath>
 #include <exception>
 #include <limits>
-#include <optional>
 #include <ranges>
 #include <stdexcept>
 
@@ -17,7 +16,6 @@
 #include <breakwater/identification/axis_start.h>
 #include <breakwater/observers/code_sensor.h>
 #include <breakwater/observers/sensor_error.h>
-#include <breakwater/recorded/recorded_axis.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/world/noise.h>
 

@@ -14,7 +14,6 @@
 #include <breakwater/config/toml_file.h>
 #include <breakwater/identification/axis_intervals.h>
 #include <breakwater/identification/axis_model.h>
-#include <breakwater/identification/two_inertia_axis.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/statistics/distribution.h>
 #include <breakwater/study/result_row.h>

@@ -1,10 +1,5 @@
-#include <breakwater/identification/two_inertia_axis.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include <breakwater/identification/axis_model.h>
+
 #include <breakwater/identification/axis_start.h>
 
 namespace breakwater {

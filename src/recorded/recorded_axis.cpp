@@ -10,7 +10,6 @@
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
-#include <vector>
 
 #include <breakwater/config/column_table.h>
 #include <breakwater/shell/table.h>

@@ -4,7 +4,6 @@
 #include <breakwater/identification/axis_intervals.h>
 #include <breakwater/identification/identified_axis.h>
 #include <breakwater/identification/identified_plants.h>
-#include <breakwater/identification/two_inertia_axis.h>
 #include "identification/bench.h"
 
 namespace breakwater::python_methods {
