@@ -17,10 +17,8 @@ Prediction predict(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, int predi
   const Eigen::Index m = B.cols();
   refuse_unless(n != 0 && m != 0 && A.cols() == n && B.rows() == n,
                 "prediction: A must be n×n and B n×m");
-  refuse_unless(prediction_steps >= 1 && control_steps >= 1,
-                "prediction: the horizons must be at least 1 step");
-  refuse_unless(control_steps <= prediction_steps,
-                "prediction: the control horizon must not be longer than the prediction horizon");
+  refuse_unless(1 <= control_steps && control_steps <= prediction_steps,
+                "prediction: needs 1 <= control steps <= prediction steps");
   Prediction prediction{Eigen::MatrixXd(prediction_steps * n, n),
                         Eigen::MatrixXd(prediction_steps * n, m),
                         Eigen::MatrixXd::Zero(prediction_steps * n, control_steps * m)};
