@@ -51,7 +51,7 @@ std::vector<double> inputs_at_rows(const AxisStretch& stretch, double delay_s) {
 }
 
 // Integrals of one window without the input, and where it lies.
-struct Window {
+struct WindowIntegrals {
   const AxisStretch* stretch;
   std::size_t first;
   WindowWeights positions;  // each derivative of the position
@@ -59,14 +59,14 @@ struct Window {
   double one;
 };
 
-std::vector<Window> windows_of(const AxisData& data, std::size_t rows,
-                               const StartEquation& equation) {
+std::vector<WindowIntegrals> windows_of(const AxisData& data, std::size_t rows,
+                                        const StartEquation& equation) {
   const std::size_t hop =
       std::max(rows / 4, 1 + data.rows() * rows / kMostRows / std::max<std::size_t>(rows / 4, 1));
-  std::vector<Window> windows;
+  std::vector<WindowIntegrals> windows;
   for (const AxisStretch& stretch : data.stretches) {
     for (std::size_t first = 0; first + rows <= stretch.times_s.size(); first += hop) {
-      Window window{&stretch, first, {}, 0.0, 0.0};
+      WindowIntegrals window{&stretch, first, {}, 0.0, 0.0};
       double stuck = 0.0;
       const double base = stretch.positions[first];
       for_rows(stretch, first, rows, [&](std::size_t k, double s, double length, double dt) {
@@ -86,13 +86,14 @@ std::vector<Window> windows_of(const AxisData& data, std::size_t rows,
 }
 
 // The least of equal solutions, if the record does not separate two of them.
-StartSolution solve(const std::vector<Window>& windows, std::size_t rows, const AxisData& data,
-                    const std::vector<std::vector<double>>& inputs, const StartEquation& equation) {
+StartSolution solve(const std::vector<WindowIntegrals>& windows, std::size_t rows,
+                    const AxisData& data, const std::vector<std::vector<double>>& inputs,
+                    const StartEquation& equation) {
   const auto count = static_cast<Eigen::Index>(windows.size());
   Eigen::MatrixXd A(count, equation.unknowns());
   Eigen::VectorXd b(count);
   for (Eigen::Index n = 0; n < count; ++n) {
-    const Window& window = windows[static_cast<std::size_t>(n)];
+    const WindowIntegrals& window = windows[static_cast<std::size_t>(n)];
     const std::vector<double>& u =
         inputs[static_cast<std::size_t>(window.stretch - data.stretches.data())];
     WindowWeights input{};
@@ -131,7 +132,7 @@ WindowWeights cubic_weights(double s, double length_s) {
 }  // namespace
 
 std::vector<StartSolution> start_solutions(const AxisData& data, const StartEquation& equation) {
-  std::vector<std::vector<Window>> all;
+  std::vector<std::vector<WindowIntegrals>> all;
   std::vector<StartSolution> best(kWindowLengths);
   for (int i = 0; i < kWindowLengths; ++i) {
     all.push_back(windows_of(data, kShortestWindow << i, equation));
