@@ -37,11 +37,9 @@ struct AxisFit {
 /// The Levenberg–Marquardt algorithm (Ceres' TinySolver) minimises the squares of the deviance
 /// residuals ±√(2 ln P(centre) − 2 ln P(y)). Half of their sum is −ln L, up to a constant.
 /// A weak prior, three scales wide around `start`, holds what the records do not show: parameters,
-/// and twists of the starts. The sizes of the drifts have their normal distribution as prior, which
-/// counts as likelihood. Differences in the parameters give the
-/// sensitivities. Friction and inertia stay positive, since the solver sees their magnitude and
-/// logarithm. A backlash that begins at 0 stays there: a spring without play also pulls, so the
-/// likelihood jumps at 0 and has no derivative.
+/// and twists of the starts. The sizes of the drifts have their normal distribution, which counts
+/// as likelihood. Friction and inertia stay positive. A backlash that begins at 0 stays there: a
+/// spring without play also pulls, so the likelihood jumps at 0 and has no derivative.
 AxisFit fit_axis(const AxisData& data, FreeParameters free, const AxisFit& start,
                  int most_iterations);
 
@@ -65,9 +63,8 @@ inline constexpr double kLeastNoise = 0.03;
 /// The positions of the fit, one stretch after another.
 std::vector<double> fitted_positions(const AxisData& data, const AxisFit& fit);
 
-/// Natural sizes of changes of the parameters. Inertias, K, v_s and k (logarithms) have 1, the
-/// delay T_s. The backlash has ten rows of motion at the RMS speed, torques have the RMS input. For
-/// viscous friction and damping it is the RMS input by the RMS speed.
+/// Natural sizes of changes of the parameters: 1 of logarithms, and what follows from the period,
+/// the RMS input and the RMS speed.
 AxisValues parameter_scales(const AxisData& data);
 
 /// Standard deviations of the prior, in the scales: of a fit, and one that hardly counts.

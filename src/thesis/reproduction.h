@@ -31,11 +31,11 @@ std::filesystem::path shards_folder(const std::filesystem::path& out);
 /// The folder of a run and its log: OUT/runs/NAME.
 std::filesystem::path run_folder(const std::filesystem::path& out, const std::string& run);
 
-/// Runs everything that the sections need on all cores, the longest runs first. Results go to
-/// OUT/shards. Runs for figures also go to OUT/runs/NAME. Existing results of the same
-/// configuration, models and program are kept, so an interrupted process continues. A failed run is
-/// a result. Throws OutputError, Interrupted, and std::invalid_argument: `FILE:LINE: reason` if no
-/// run of the scenario can have a cell's metric, or `FILE: …` if a model file changed meanwhile.
+/// Runs everything that the sections need on all cores. Results go to OUT/shards, runs for figures
+/// also to OUT/runs/NAME. Existing results of the same configuration, models and program are kept,
+/// so an interrupted process continues. A failed run is a result. Throws OutputError, Interrupted,
+/// and std::invalid_argument: `FILE:LINE: reason` if no run of the scenario can have a cell's
+/// metric, or `FILE: …` if a model file changed meanwhile.
 Measured measure(const Reproduction& reproduction);
 
 /// The value of a cell for each repetition; NaN if not measured. If `absent_is_never` is set, a
