@@ -112,15 +112,12 @@ std::string FinishedRun::fill_in(const std::string& text) const {
       throw std::invalid_argument("\"" + text + "\": a { has no }");
     }
     const std::string key = filled.substr(open + 1, end - open - 1);
-    const ConfigEntry* entry = config_->find(key);
-    std::string value;
-    if (const auto number = config_->number(key)) {
-      value = fmt::format("{:g}", *number);
-    } else if (entry != nullptr && std::holds_alternative<std::string>(entry->value.data)) {
-      value = std::get<std::string>(entry->value.data);
-    } else {
+    const auto number = config_->number(key);
+    const auto words = config_->text(key);
+    if (!number && !words) {
       config_->fail(key, "must be a number or a text, since \"" + text + "\" shows it");
     }
+    const std::string value = number ? fmt::format("{:g}", *number) : *words;
     filled.replace(open, end - open + 1, value);
     open = filled.find('{', open + value.size());
   }

@@ -156,10 +156,6 @@ constexpr std::array<double, 3> kBottom = {246.0, 243.0, 240.0};
 // An arrow shorter than this has no number: it would be unreadably small.
 constexpr double kShortestArrow_m = 0.004;
 
-std::size_t pixel_bytes(int width, int height) {
-  return 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-}
-
 std::string speed_text(double speed) {
   if (std::abs(speed - 1.0) < 1e-9) return "";
   return speed < 1.0 ? fmt::format("{:.3g}\u00d7 slower", 1.0 / speed)
@@ -227,8 +223,12 @@ void interpolate_qpos(const PictureRun& run, double time_s, std::vector<double>&
   const auto after = std::upper_bound(times.begin(), times.end() - 1, time);
   const auto i = static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - times.begin(), 1));
   const double part = (time - times[i - 1]) / (times[i] - times[i - 1]);
-  interpolate_qpos(*run.model.get(), {run.qpos.row(i - 1), run.qpos.width},
-                   {run.qpos.row(i), run.qpos.width}, part, qpos);
+  const mjModel* const model = run.model.get();
+  const double* const before = run.qpos.row(i - 1);
+  qpos.assign(before, before + run.qpos.width);
+  std::vector<double> way(static_cast<std::size_t>(model->nv));
+  mj_differentiatePos(model, way.data(), 1.0, before, run.qpos.row(i));
+  mj_integratePos(model, qpos.data(), way.data(), part);
 }
 
 Picture::Picture(std::vector<PictureRun>& runs, const PictureStyle& style)
@@ -236,7 +236,8 @@ Picture::Picture(std::vector<PictureRun>& runs, const PictureStyle& style)
       style_(style),
       offscreen_(style.width * style.look.samples, style.height * style.look.samples),
       panels_(runs.size()) {
-  if (style_.look.samples > 1) pixels_.resize(pixel_bytes(style_.width, style_.height));
+  const auto samples = static_cast<std::size_t>(style_.look.samples);
+  if (samples > 1) pixels_.resize(offscreen_.pixels().size() / (samples * samples));
   lay_out();
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     Panel& panel = panels_[i];

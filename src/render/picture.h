@@ -52,7 +52,8 @@ struct PictureRun {
   std::string caption;
 };
 
-/// The run's positions at a time, from its log. Before and after the log they are constant.
+/// The run's positions at a time, from its log: between two rows each joint is on its shortest way.
+/// Before and after the log they are constant.
 void interpolate_qpos(const PictureRun& run, double time_s, std::vector<double>& qpos);
 
 struct Corner {

@@ -70,14 +70,6 @@ int camera_id(const Model& model, const std::string& name) {
                               (names.empty() ? "none at all" : names));
 }
 
-void interpolate_qpos(const mjModel& model, std::span<const double> first,
-                      std::span<const double> second, double part, std::vector<double>& qpos) {
-  qpos.assign(first.begin(), first.end());
-  std::vector<double> way(static_cast<std::size_t>(model.nv));
-  mj_differentiatePos(&model, way.data(), 1.0, first.data(), second.data());
-  mj_integratePos(&model, qpos.data(), way.data(), part);
-}
-
 SceneView::SceneView(const Offscreen& offscreen, Model& model, int camera, const Look& look)
     : model_(model), poser_(model) {
   mjModel& m = *model_.get();
@@ -130,10 +122,8 @@ SceneView::Segment SceneView::place(const SceneArrow& arrow) const {
   const Eigen::Vector3d site = vector(data.site_xpos + static_cast<std::ptrdiff_t>(3) * arrow.site);
   Eigen::Vector3d reach = arrow.vector_m;
   if (arrow.in_site_frame) {
-    using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-    reach =
-        Eigen::Map<const RowMajor>(data.site_xmat + static_cast<std::ptrdiff_t>(9) * arrow.site) *
-        reach;
+    mju_rotVecMat(reach.data(), arrow.vector_m.data(),
+                  data.site_xmat + std::ptrdiff_t{9} * arrow.site);
   }
   const Eigen::Vector3d from = site + arrow.offset_m;
   return {from, from + reach};

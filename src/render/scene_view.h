@@ -55,10 +55,6 @@ struct SceneArrow {
   double number = 0.0;  ///< beside it
 };
 
-/// The positions between two logged ones, each joint on its shortest way. `part` 0 gives the first.
-void interpolate_qpos(const mjModel& model, std::span<const double> first,
-                      std::span<const double> second, double part, std::vector<double>& qpos);
-
 /// The index of the model's camera with this name; −1, a view of the whole model, for an empty
 /// name. Throws std::invalid_argument with a list of the cameras if there is no such camera.
 int camera_id(const Model& model, const std::string& name);

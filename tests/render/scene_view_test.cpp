@@ -136,14 +136,14 @@ TEST(SceneView, AnUnknownCameraIsRefusedByName) {
 }
 
 TEST(InterpolateQpos, TurnsTheShortestWay) {
-  const Model model = ball();
+  PictureRun run{.model = ball()};
   const Eigen::Quaterniond a(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()));
   Eigen::Quaterniond b(Eigen::AngleAxisd(1.3, Eigen::Vector3d(-1, 0.5, 1).normalized()));
   b.coeffs() *= -1.0;  // the same rotation
-  const std::array<double, 7> first = {1, 2, 3, a.w(), a.x(), a.y(), a.z()};
-  const std::array<double, 7> second = {2, 0, 3, b.w(), b.x(), b.y(), b.z()};
+  run.times_s = {0.0, 1.0};
+  run.qpos = {2, 7, {1, 2, 3, a.w(), a.x(), a.y(), a.z(), 2, 0, 3, b.w(), b.x(), b.y(), b.z()}};
   std::vector<double> qpos;
-  interpolate_qpos(*model.get(), first, second, 0.3, qpos);
+  interpolate_qpos(run, 0.3, qpos);
   EXPECT_NEAR(qpos[0], 1.3, 1e-12);
   EXPECT_NEAR(qpos[1], 1.4, 1e-12);
   const Eigen::Quaterniond expected = a.slerp(0.3, b);
