@@ -36,10 +36,6 @@ X(cairo_text_path)
                                     constexpr const char* kFont = "DejaVu Sans";
 constexpr Colour kHalo{1.0, 1.0, 1.0, 0.8};
 
-std::size_t bytes(int width, int height) {
-  return 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-}
-
 cairo_status_t append(void* text, const unsigned char* data, unsigned int length) {
   static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(data), length);
   return CAIRO_STATUS_SUCCESS;
@@ -64,7 +60,7 @@ struct Canvas::Drawing {
 };
 
 Canvas::Canvas(int width, int height)
-    : own_(bytes(width, height), 255),
+    : own_(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 255),
       pixels_(own_.data()),
       width_(width),
       height_(height),

@@ -109,12 +109,8 @@ ChartRange chart_range(const std::vector<ChartLine>& lines, double from_s, doubl
       range.lowest = std::min(range.lowest, value);
       range.highest = std::max(range.highest, value);
     };
-    const Series& series = line.series;
-    for (std::size_t i = 0; i < series.values.size(); ++i) {
-      if (series.times_s[i] >= from_s && series.times_s[i] <= to_s) include(series.values[i]);
-    }
-    include(series.at(from_s).value);
-    include(series.at(to_s).value);
+    for (const double value : cut(line.series, from_s, to_s).values) include(value);
+    for (const double end_s : {from_s, to_s}) include(line.series.at(end_s).value);
   }
   const double span = range.highest - range.lowest;
   const double room = span > 0.0 ? 0.08 * span : 1.0;

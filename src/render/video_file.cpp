@@ -10,6 +10,8 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <iterator>
+#include <sstream>
 #include <vector>
 
 #include <breakwater/record/output_error.h>
@@ -31,17 +33,12 @@ std::vector<std::string> words(const VideoFormat& format) {
       "-vf scale=out_color_matrix=bt709:out_range=tv:flags=area+accurate_rnd+full_chroma_inp "
       "-pix_fmt yuv420p -colorspace bt709 -color_primaries bt709 -color_trc bt709 -color_range tv "
       "-chroma_sample_location center ";
-  const std::string options =
+  std::istringstream options(
       input + colours +
-      fmt::format(
-          "-c:v libx264 -preset superfast -crf 19 -g {} -threads 1 -movflags +faststart "
-          "-f mp4 file:/proc/self/fd/{}",
-          2 * format.fps, kFile);
-  std::vector<std::string> all;
-  for (std::size_t from = 0, end = 0; end != std::string::npos; from = end + 1) {
-    end = options.find(' ', from);
-    all.push_back(options.substr(from, end - from));
-  }
+      fmt::format("-c:v libx264 -preset superfast -crf 19 -g {} -threads 1 -movflags +faststart "
+                  "-f mp4 file:/proc/self/fd/{}",
+                  2 * format.fps, kFile));
+  std::vector<std::string> all(std::istream_iterator<std::string>(options), {});
   return all;
 }
 
