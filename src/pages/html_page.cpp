@@ -140,13 +140,6 @@ void take_apart(PageData& data, bool& has_charts, bool& has_replays) {
   }
 }
 
-// The scripts of a page in their order, and its data: its loader unpacks them.
-std::string packed_page(const std::vector<std::string>& scripts, const PageData& data) {
-  const std::string json = PageData{{"scripts", scripts}, {"result", data}}.dump(
-      -1, ' ', false, PageData::error_handler_t::replace);
-  return packed_bytes({reinterpret_cast<const std::uint8_t*>(json.data()), json.size()});
-}
-
 // The entries of the contents, unless the page has its own.
 PageData contents_of(const PageData& data) {
   if (data.contains("toc")) return data["toc"];
@@ -202,17 +195,15 @@ std::string html_page(const std::string& name, PageData data) {
   page.set("style", style);
   PageData result = {{"page", name}, {"version", 1}};
   result.update(data);
-  page.set("packed", packed_page(scripts, result));
+  // The page's loader unpacks the scripts, in their order, and the data.
+  const std::string json = PageData{{"scripts", scripts}, {"result", result}}.dump(
+      -1, ' ', false, PageData::error_handler_t::replace);
+  page.set("packed",
+           packed_bytes({reinterpret_cast<const std::uint8_t*>(json.data()), json.size()}));
   page.set("script", bytes_of(part("unpack.js")));
   page.set("contents_script", bytes_of(part("contents.js")));
   page.set("version", std::string(kVersion) + " (" + kGitCommit + ")");
   return mustache::mustache("{{>page}}").render(page);
-}
-
-std::string data_address(const fs::path& file, const std::string& type) {
-  if (!fs::exists(file)) return "";
-  const std::string bytes = bytes_of(file);
-  return "data:" + type + ";base64," + base64(bytes.data(), bytes.size());
 }
 
 std::string text_of(const PageData& value) {

@@ -36,9 +36,6 @@ std::string html_page(const std::string& name, PageData data);
 /// The files of other projects that go into the pages, each one as a whole.
 std::vector<std::filesystem::path> page_libraries();
 
-/// The bytes of a file as a data: address. Empty if there is no such file.
-std::string data_address(const std::filesystem::path& file, const std::string& type);
-
 /// A value of the data as text: a number in digits (in_digits), "-" where there is none.
 std::string text_of(const PageData& value);
 

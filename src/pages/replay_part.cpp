@@ -6,6 +6,7 @@
 
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pictures/replay_data.h>
+#include <breakwater/record/input_file.h>
 #include <breakwater/render/render_error.h>
 
 namespace breakwater {
@@ -13,10 +14,10 @@ namespace fs = std::filesystem;
 namespace {
 
 // The pictures for paper and for browsers without WebGL.
-std::string strip_address(const FinishedRun& run, const ShotList& shots, const std::string& camera,
-                          std::vector<std::string>& notes) {
+std::string strip_png(const FinishedRun& run, const ShotList& shots, const std::string& camera,
+                      std::vector<std::string>& notes) {
   const fs::path made = run.folder() / "strip.png";
-  if (fs::exists(made)) return data_address(made, "image/png");
+  if (fs::exists(made)) return bytes_of(made);
   try {
     std::vector<Moment> moments = moments_of(run, shots);
     if (moments.empty()) {
@@ -24,9 +25,8 @@ std::string strip_address(const FinishedRun& run, const ShotList& shots, const s
       const double to_s = std::min(window.to_s, run.times_s().back());
       moments = {{"begin", window.from_s}, {"middle", 0.5 * (window.from_s + to_s)}, {"end", to_s}};
     }
-    const Strip strip =
-        draw_strip(run, shots, moments, camera, {.width = 420, .height = 240, .look = kFullLook});
-    return "data:image/png;base64," + base64(strip.png.data(), strip.png.size());
+    const PictureStyle each{.width = 420, .height = 240, .look = kFullLook};
+    return draw_strip(run, shots, moments, camera, each);
   } catch (const RenderError& error) {
     notes.push_back(fmt::format("no strip for browsers without WebGL: {}", error.what()));
     return "";
@@ -93,10 +93,10 @@ ReplayPart replay_part(ShownRuns runs, const std::string& group, const std::stri
       shots.style.title.empty() ? runs.front().scenario().summary() : shots.style.title);
   auto strips = PageData::array();
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const std::string strip = strip_address(runs[i], shots, camera, notes);
-    if (strip.empty()) break;  // the others have none either
+    const std::string png = strip_png(runs[i], shots, camera, notes);
+    if (png.empty()) break;  // the others have none either
     const std::string& label = stage.runs[i].caption;
-    strips.push_back({{"address", strip},
+    strips.push_back({{"address", "data:image/png;base64," + base64(png.data(), png.size())},
                       {"alt", "Pictures of the run " + label + " in a row"},
                       {"label", runs.size() > 1 ? PageData(label) : PageData()}});
   }

@@ -166,19 +166,17 @@ int strip(const Catalogue& catalogue, const PictureArguments& arguments) {
   set_look(arguments, style);
   const fs::path file = picture_file(arguments, run.folder() / "strip.png");
   const ShotList shots = shot_list(run.shots_file());
-  std::vector<std::string> missing;
-  const std::vector<Moment> moments = moments_of(run, shots, &missing);
+  std::vector<std::string> notes;
+  const std::vector<Moment> moments = moments_of(run, shots, &notes);
   if (moments.empty()) {
     throw std::invalid_argument(run.folder().string() +
                                 (shots.moments.empty()
                                      ? ": its scenario has no shot list with moments (shots.toml)"
                                      : ": none of the shot list's moments is in this run's log"));
   }
-  const Strip strip = draw_strip(run, shots, moments, arguments.camera, style);
-  for (const auto& notes : {strip.notes, missing}) {
-    for (const std::string& note : notes) fmt::print(stderr, "pictures: {}\n", note);
-  }
-  replace_file(file, strip.png);
+  const std::string png = draw_strip(run, shots, moments, arguments.camera, style, &notes);
+  for (const std::string& note : notes) fmt::print(stderr, "pictures: {}\n", note);
+  replace_file(file, png);
   if (!arguments.quiet) fmt::print("strip of {}: {}\n", moments.size(), file.string());
   return kSuccess;
 }

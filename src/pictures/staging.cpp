@@ -233,8 +233,9 @@ std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots,
   return moments;
 }
 
-Strip draw_strip(const FinishedRun& run, const ShotList& shots, const std::vector<Moment>& moments,
-                 const std::string& camera, const PictureStyle& each) {
+std::string draw_strip(const FinishedRun& run, const ShotList& shots,
+                       const std::vector<Moment>& moments, const std::string& camera,
+                       const PictureStyle& each, std::vector<std::string>* notes) {
   constexpr Colour kInk{0.10, 0.12, 0.15, 1.0};
   constexpr int kGap = 12;
   const ShownRuns runs(&run, 1);
@@ -276,7 +277,8 @@ Strip draw_strip(const FinishedRun& run, const ShotList& shots, const std::vecto
     }
   }
   if (chart) chart->draw(page, 0, each.height + caption, window.to_s);
-  return {page.png(), stage.notes};
+  if (notes != nullptr) notes->insert(notes->end(), stage.notes.begin(), stage.notes.end());
+  return page.png();
 }
 
 }  // namespace breakwater

@@ -90,15 +90,11 @@ struct Moment {
 std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots,
                                std::vector<std::string>* missing = nullptr);
 
-struct Strip {
-  std::string png;
-  std::vector<std::string> notes;
-};
-
 /// Draws pictures in a row, each with a letter, its caption and its time below. A chart of the
-/// whole width has marks at the moments. `each` has the size and look of a picture, `camera` is as
-/// in stage(). Throws RenderError.
-Strip draw_strip(const FinishedRun& run, const ShotList& shots, const std::vector<Moment>& moments,
-                 const std::string& camera, const PictureStyle& each);
+/// whole width has marks at the moments. `each` has the size and look of a picture, `camera` and
+/// `notes` are as in stage(). Returns a PNG file. Throws RenderError.
+std::string draw_strip(const FinishedRun& run, const ShotList& shots,
+                       const std::vector<Moment>& moments, const std::string& camera,
+                       const PictureStyle& each, std::vector<std::string>* notes = nullptr);
 
 }  // namespace breakwater
