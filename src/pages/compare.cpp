@@ -44,24 +44,18 @@ void check(const std::vector<SavedRun>& runs) {
   }
 }
 
-// All metrics, in the order of the first run that has them.
-std::vector<Metric> metrics_of(const std::vector<SavedRun>& runs) {
-  std::vector<Metric> all;
-  for (const SavedRun& run : runs) {
-    for (const Metric& metric : run.metrics()) {
-      if (std::ranges::find(all, metric.name, &Metric::name) == all.end()) all.push_back(metric);
-    }
-  }
-  return all;
-}
-
-// The chosen metrics, or all.
+// The chosen metrics, or all, in the order of the first run that has them.
 std::vector<Metric> choose_metrics(const std::vector<SavedRun>& runs,
                                    const std::vector<std::string>& chosen) {
-  const std::vector<Metric> all = metrics_of(runs);
+  std::vector<Metric> all, metrics;
   std::vector<std::string> names;
-  for (const Metric& metric : all) names.push_back(metric.name);
-  std::vector<Metric> metrics;
+  for (const SavedRun& run : runs) {
+    for (const Metric& metric : run.metrics()) {
+      if (std::ranges::find(names, metric.name) != names.end()) continue;
+      all.push_back(metric);
+      names.push_back(metric.name);
+    }
+  }
   for (const std::string& name : chosen) {
     const auto place = std::ranges::find(all, name, &Metric::name);
     if (place == all.end()) {
@@ -74,10 +68,10 @@ std::vector<Metric> choose_metrics(const std::vector<SavedRun>& runs,
 }
 
 // The run that says what a signal is: the first that has it.
-const SavedRun* first_with(const std::vector<SavedRun>& runs, const std::string& signal) {
-  const auto found = std::find_if(runs.begin(), runs.end(),
-                                  [&](const SavedRun& run) { return run.has_signal(signal); });
-  return found == runs.end() ? nullptr : &*found;
+const SavedRun& first_with(const std::vector<SavedRun>& runs, const std::string& signal) {
+  const auto found =
+      std::ranges::find_if(runs, [&](const SavedRun& run) { return run.has_signal(signal); });
+  return found == runs.end() ? runs.front() : *found;
 }
 
 }  // namespace
@@ -177,8 +171,7 @@ void Comparison::choose_signals() {
     if (std::ranges::find(signals_, signal) == signals_.end()) signals_.push_back(signal);
   };
   for (const std::string& name : choice_.signals) {
-    const SavedRun* run = first_with(runs_, name);
-    for (const std::string& value : value_names(run != nullptr ? *run : front, name)) add(value);
+    for (const std::string& value : value_names(first_with(runs_, name), name)) add(value);
   }
   keys_ = signals_.size();
   if (keys_ > 0) return;
@@ -265,13 +258,12 @@ std::string Comparison::csv() const {
 }
 
 PageChart Comparison::chart_of(const std::string& signal) const {
-  const SavedRun& one = *first_with(runs_, signal);
   PageChart chart;
   chart.group = "compare";
   chart.title = signal;
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     ChartSeries series{.label = labels_[i] + ": –",
-                       .unit = one.unit(signal),
+                       .unit = first_with(runs_, signal).unit(signal),
                        .description = "this run's log does not have it"};
     if (runs_[i].has_signal(signal)) series = series_of(runs_[i], signal, labels_[i]);
     series.style = styles_[i];
@@ -305,23 +297,24 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
   for (const ShownMetric& shown : shown_) {
     (shown.is_key ? rows : other_rows).push_back(rows_[shown.metric.name]);
   }
-  // A table, or what is folded away.
+  // A table, and one that is folded away.
   const auto add_table = [&columns](PageData& blocks, const char* label, const char* kind,
                                     const PageData& cells) {
     add_block(blocks, "table",
               {{"label", label}, {"kind", kind}, {"columns", columns}, {"rows", cells}});
   };
-  const auto add_fold = [](PageData& blocks, const std::string& summary, bool is_open,
-                           const PageData& folded) {
+  const auto add_fold = [&add_table](PageData& blocks, const std::string& summary, bool is_open,
+                                     const char* label, const char* kind, const PageData& cells) {
+    auto folded = PageData::array();
+    add_table(folded, label, kind, cells);
     add_block(blocks, "fold", {{"summary", summary}, {"is_open", is_open}, {"blocks", folded}});
   };
   auto lead = PageData::array(), metrics = PageData::array(), keys = PageData::array(),
-       signals = PageData::array(), folded = PageData::array();
+       signals = PageData::array();
   add_block(lead, "about", fmt::format("Runs of {}.", runs_.front().scenario()));
   add_table(metrics, "Metrics", "numbers measured", rows);
   if (!other_rows.empty()) {
-    add_table(folded, "All other metrics", "numbers measured", other_rows);
-    add_fold(metrics, "All metrics", false, std::exchange(folded, PageData::array()));
+    add_fold(metrics, "All metrics", false, "All other metrics", "numbers measured", other_rows);
   }
   auto key_rows = PageData::array();
   for (const DifferingKey& key : differing_keys(runs_)) {
@@ -332,9 +325,8 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
     add_block(keys, "text", "The runs have the same settings.");
   } else {
     columns[0] = "key";
-    add_table(folded, "Settings that differ", "numbers keys-table", key_rows);
     add_fold(keys, number_of(key_rows.size(), "setting"), key_rows.size() <= kManyKeys,
-             std::exchange(folded, PageData::array()));
+             "Settings that differ", "numbers keys-table", key_rows);
   }
   if (replay) add_block(keys, "replay", replay->box);
   std::vector<PageChart> charts, other_charts;
