@@ -13,7 +13,7 @@
 
 #include <breakwater/config/column_table.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/statistics/quantile.h>
+#include <breakwater/statistics/distribution.h>
 
 namespace breakwater {
 namespace {

@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include <breakwater/config/toml_text.h>
-#include <breakwater/statistics/quantile.h>
 #include <breakwater/study/study_reader.h>
 
 namespace breakwater {

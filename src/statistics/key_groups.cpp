@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <breakwater/statistics/quantile.h>
+#include <breakwater/statistics/distribution.h>
 
 namespace breakwater {
 namespace {

@@ -6,7 +6,6 @@
 #include <numeric>
 #include <set>
 
-#include <breakwater/statistics/quantile.h>
 #include <breakwater/statistics/signed_rank.h>
 
 namespace breakwater {

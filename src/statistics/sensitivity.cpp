@@ -5,8 +5,6 @@
 #include <random>
 #include <stdexcept>
 
-#include <breakwater/statistics/quantile.h>
-
 namespace breakwater {
 namespace {
 

@@ -21,7 +21,6 @@
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/statistics/quantile.h>
 #include <breakwater/statistics/sensitivity.h>
 
 namespace breakwater {

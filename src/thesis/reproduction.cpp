@@ -12,7 +12,7 @@
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/progress.h>
-#include <breakwater/statistics/quantile.h>
+#include <breakwater/statistics/distribution.h>
 #include <breakwater/study/executor.h>
 
 namespace breakwater {

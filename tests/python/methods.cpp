@@ -6,7 +6,6 @@
 #include <breakwater/math/error_function.h>
 #include <breakwater/math/functions.h>
 #include <breakwater/statistics/paired_comparison.h>
-#include <breakwater/statistics/quantile.h>
 #include <breakwater/statistics/ranking.h>
 #include <breakwater/statistics/sensitivity.h>
 #include <breakwater/statistics/signed_rank.h>
