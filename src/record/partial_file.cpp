@@ -67,7 +67,11 @@ void PartialFile::fail(const std::string& reason) const {
 }
 
 void PartialFile::sync() const {
-  if (!is_on_disk(path_)) fail(std::strerror(errno));
+  try {
+    lock_->sync();
+  } catch (const OutputError&) {
+    fail(std::strerror(errno));
+  }
 }
 
 void PartialFile::commit() {
@@ -105,15 +109,6 @@ bool is_on_disk(int descriptor) {
   return fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP;
 }
 
-bool is_on_disk(const fs::path& path) {
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool is_synced = descriptor >= 0 && is_on_disk(descriptor);
-  const int error = errno;
-  if (descriptor >= 0) close(descriptor);
-  errno = error;
-  return is_synced;
-}
-
 }  // namespace breakwater
 
 namespace breakwater::detail {
@@ -148,7 +143,7 @@ void DataFile::write(const void* data, std::size_t bytes, std::uint64_t place) {
 }
 
 void DataFile::sync() const {
-  if (fdatasync(descriptor_) != 0) fail("written to the disk");
+  if (!is_on_disk(descriptor_)) fail("written to the disk");
 }
 
 bool is_locked(const std::filesystem::path& path) {

@@ -89,7 +89,4 @@ void replace_file(const std::filesystem::path& file, const std::string& bytes);
 /// file system without fsync (for folders, for example) counts as success.
 bool is_on_disk(int descriptor);
 
-/// The same for the file or the folder of this name.
-bool is_on_disk(const std::filesystem::path& path);
-
 }  // namespace breakwater

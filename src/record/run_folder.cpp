@@ -179,10 +179,7 @@ void put_in_place(const fs::path& partial, const fs::path& target) {
 
 // Waits until a file, or the list of names in a folder, is on the disk.
 void sync(const fs::path& path) {
-  if (!is_on_disk(path)) {
-    throw OutputError(path.string() + ": cannot be written to the disk (" + std::strerror(errno) +
-                      ")");
-  }
+  detail::DataFile(path, O_RDONLY).sync();
 }
 
 // Starts writing to the disk. The waits for one file after the other then take half the time.
