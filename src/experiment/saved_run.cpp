@@ -133,13 +133,6 @@ void SavedRun::check_rows(const std::string& path, const LoggedSignal& data) con
   }
 }
 
-std::optional<double> SavedRun::metric(const std::string& name) const {
-  for (const Metric& metric : metrics()) {
-    if (metric.name == name) return metric.value;
-  }
-  return std::nullopt;
-}
-
 const LoggedSignal& SavedRun::dataset(const std::string& path) const {
   const auto found = read_.find(path);
   if (found != read_.end()) return found->second;

@@ -35,7 +35,7 @@ class SavedRun {
   const ModelHashes& models() const { return manifest_.models; }
   /// In the scenario's order. Each unit is the end of the name.
   const std::vector<Metric>& metrics() const { return manifest_.metrics; }
-  std::optional<double> metric(const std::string& name) const;
+  std::optional<double> metric(const std::string& name) const { return metric_in(metrics(), name); }
   /// The metrics that the run does not have, with the reason; none of an older run.
   const std::vector<AbsentMetric>& absent() const { return manifest_.absent; }
   /// Warnings of the run as it ended.

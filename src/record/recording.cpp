@@ -23,7 +23,7 @@ const Track& Recording::track(const std::string& name) const {
   return *found;
 }
 
-std::optional<double> Recording::metric(const std::string& name) const {
+std::optional<double> metric_in(const std::vector<Metric>& metrics, const std::string& name) {
   const auto found = std::ranges::find(metrics, name, &Metric::name);
   if (found == metrics.end()) return std::nullopt;
   return found->value;

@@ -21,6 +21,9 @@ struct Metric {
   double value;
 };
 
+/// The value of the metric with this name; nothing if there is none.
+std::optional<double> metric_in(const std::vector<Metric>& metrics, const std::string& name);
+
 /// Appends a metric if it has a finite value.
 inline void add(std::vector<Metric>& metrics, const std::string& name, const std::string& unit,
                 const std::optional<double>& value) {
@@ -57,8 +60,7 @@ struct Recording {
 
   /// The track with this name. Throws std::out_of_range if there is none.
   const Track& track(const std::string& name) const;
-  /// The value of a metric; nothing if the run does not have it.
-  std::optional<double> metric(const std::string& name) const;
+  std::optional<double> metric(const std::string& name) const { return metric_in(metrics, name); }
 };
 
 /// The meaning of a metric or a cost.
