@@ -116,9 +116,8 @@ Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
   std::vector<std::map<std::string, PublishedValue>> printed;
   for (const SavedRun& run : runs_) printed.push_back(printed_of(catalogue, run));
   for (const Metric& metric : metrics) {
-    const auto shown = std::find_if(shown_.begin(), shown_.end(), [&](const ShownMetric& one) {
-      return one.metric.name == metric.name;
-    });
+    const auto name_of = [](const ShownMetric& one) { return one.metric.name; };
+    const auto shown = std::ranges::find(shown_, metric.name, name_of);
     rows_[metric.name] = row_of(*shown, printed);
   }
   choose_signals();

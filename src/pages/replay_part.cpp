@@ -113,12 +113,14 @@ ReplayPart replay_part(ShownRuns runs, const std::string& group, const std::stri
 
 std::optional<ReplayPart> replay_of(const Catalogue& catalogue, std::span<const SavedRun> saved,
                                     const std::string& group, std::vector<std::string>& notes) {
+  // An estimation from recorded data has nothing to show in three dimensions.
+  const SavedRun& first = saved.front();
+  if (!catalogue.has<ScenarioKind>(first.scenario()) && !first.has_signal("qpos"))
+    return std::nullopt;
   try {
     std::vector<FinishedRun> runs;
     for (const SavedRun& run : saved) runs.emplace_back(catalogue, run);
     return replay_part(runs, group, "", notes);
-  } catch (const NothingMoved&) {
-    // The scenario has nothing to show in three dimensions, so no note is needed.
   } catch (const std::invalid_argument& error) {
     notes.push_back(fmt::format("no replay: {}", error.what()));
   } catch (const RenderError& error) {

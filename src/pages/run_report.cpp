@@ -145,11 +145,9 @@ std::vector<ShownMetric> shown_metrics(const Catalogue& catalogue, const std::st
   }
   std::vector<ShownMetric> all;
   const auto add = [&](const Metric& metric, bool is_key) {
-    const auto is_same = [&](const auto& one) { return one.name == metric.name; };
-    if (std::any_of(all.begin(), all.end(),
-                    [&](const ShownMetric& one) { return is_same(one.metric); }))
-      return;
-    const auto found = std::find_if(definitions.begin(), definitions.end(), is_same);
+    const auto name_of = [](const ShownMetric& one) { return one.metric.name; };
+    if (std::ranges::find(all, metric.name, name_of) != all.end()) return;
+    const auto found = std::ranges::find(definitions, metric.name, &MetricDefinition::name);
     all.push_back({metric, found == definitions.end() ? "" : found->text, is_key});
   };
   for (const Metric& metric : main_metrics(names, metrics)) add(metric, true);

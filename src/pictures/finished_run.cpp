@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <stdexcept>
+
 #include <breakwater/experiment/known_models.h>
 
 namespace breakwater {
@@ -23,8 +25,8 @@ FinishedRun::FinishedRun(const Catalogue& catalogue, SavedRun saved)
     : catalogue_(&catalogue), saved_(std::move(saved)), notes_(saved_.notes()) {
   if (!catalogue.has<ScenarioKind>(saved_.scenario())) {
     if (!saved_.has_signal("qpos")) {
-      throw NothingMoved(folder().string() + ": is a run of \"" + saved_.scenario() +
-                         "\", whose log has no qpos: there is no motion to draw");
+      throw std::invalid_argument(folder().string() + ": is a run of \"" + saved_.scenario() +
+                                  "\", whose log has no qpos: there is no motion to draw");
     }
     throw std::invalid_argument(folder().string() + ": is a run of scenario \"" +
                                 saved_.scenario() +

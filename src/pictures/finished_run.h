@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -16,17 +15,11 @@
 
 namespace breakwater {
 
-/// Thrown if a run has no motion to draw, such as an estimation from recorded data.
-class NothingMoved : public std::invalid_argument {
- public:
-  using std::invalid_argument::invalid_argument;
-};
-
 /// The results of a finished run, its scenario with the run's settings, and its log.
 class FinishedRun {
  public:
   /// The catalogue must outlive it. Throws std::invalid_argument, one line, if it lacks the run's
-  /// scenario. If the log also has no positions, it throws NothingMoved.
+  /// scenario.
   FinishedRun(const Catalogue& catalogue, SavedRun saved);
 
   const std::filesystem::path& folder() const { return saved_.folder(); }

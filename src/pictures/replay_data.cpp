@@ -241,8 +241,7 @@ Json replay_data(ShownRuns runs, const ShotList& shots, const Window& window, Pi
   for (const Moment& moment : moments_of(runs.front(), shots)) {
     moments.push_back({{"caption", moment.caption}, {"time", moment.time_s}});
   }
-  return {{"begin", whole_window(runs).from_s},
-          {"window", {{"from", window.from_s}, {"to", window.to_s}, {"speed", window.speed}}},
+  return {{"window", {{"from", window.from_s}, {"to", window.to_s}, {"speed", window.speed}}},
           {"camera", stage.runs.front().camera},
           {"moments", moments},
           {"assets", assets.all()},

@@ -88,7 +88,7 @@
       }
       const json = pageData[this.box.dataset.replay];
       this.data = await Replay.load(json);
-      this.begin = json.begin;
+      this.begin = Math.min(...this.data.runs.map((run) => run.times.begin));
       this.end = Math.max(...this.data.runs.map((run) => run.times.end));
       this.speed = json.window.speed;
       const canvas = this.canvas = element("canvas", "", this.picture);
