@@ -6,8 +6,8 @@
 
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pictures/replay_data.h>
-#include <breakwater/record/input_file.h>
 #include <breakwater/render/render_error.h>
+#include <breakwater/signals/input_file.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
