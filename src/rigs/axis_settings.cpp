@@ -423,9 +423,11 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
     if (!one.axis.measures_joint()) {
       id_of(own, "position_sensor", model, mjOBJ_SENSOR, one.axis.position_sensor);
     }
-    if (has_motor && driven_joint == joint) {
-      own.fail("transmission.motor_joint", "must be another joint than that of the axis");
-    }
+  }
+  for (const AxisSettings& one : axes) {
+    if (!one.transmission.is_elastic() || one.transmission.motor_joint != one.axis.joint) continue;
+    config.under(one.axis.prefix())
+        .fail("transmission.motor_joint", "must be another joint than that of the axis");
   }
 }
 
