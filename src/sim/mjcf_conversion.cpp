@@ -466,7 +466,10 @@ class Conversion {
     const std::string name = attribute.empty() ? "" : attribute + ": ";
     const mjcf::Rule* found = rule(e.name, attribute);
     if (found == nullptr) e.fail(name + "neither MuJoCo 2.2 nor the conversion knows it");
-    const bool is_harmless = mjcf::has_word(found->harmless, value);
+    const std::vector<std::string> words = words_of(value);
+    const bool is_harmless = !words.empty() && std::ranges::all_of(words, [&](const auto& word) {
+      return mjcf::has_word(found->harmless, word);
+    });
     if (found->fate == mjcf::refused && !is_harmless) {
       e.fail(name + "MuJoCo 2.2 does not have it" + (found->words.empty() ? "" : "; ") +
              std::string(found->words));

@@ -13,7 +13,7 @@ enum class Fate { left_out, approximated, dropped, refused };
 
 // `element` and `attribute` are lists of names, separated by blanks. Without an attribute the rule
 // is for the element itself; without an element it is for all actuators and sensors. Nothing is
-// lost of the values in the list `harmless`: the engine behaves so without the attribute.
+// lost of a value whose words are all in the list `harmless`: the engine behaves so without it.
 struct Rule {
   std::string_view element;
   std::string_view attribute;
@@ -51,7 +51,7 @@ inline constexpr std::array kRules = {
     Rule{"hfield", "elevation", refused, "", "heights must be in a file"},
     Rule{"body", "sleep simple fuse", left_out},
     Rule{"joint spatial fixed", "actuatorfrclimited actuatorgravcomp", left_out},
-    Rule{"geom", "surfacevel", dropped, "0 0 0 0 0 0", "the surface stands still"},
+    Rule{"geom", "surfacevel", dropped, "0", "the surface stands still"},
     Rule{"geom pair", "adhesion", dropped, "0"},
     Rule{"pair", "solreffriction", dropped},
     Rule{"site", "mesh", left_out},
