@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -45,18 +46,18 @@ struct PictureArguments {
 // The size and the look of a picture as the user asks.
 void set_look(const PictureArguments& arguments, PictureStyle& style) {
   const std::string& size = arguments.size;
-  static const std::regex form("(\\d{1,9})x(\\d{1,9})");
+  static const std::regex form("(\\d{1,99})x(\\d{1,99})");
   std::smatch sides;
   if (!size.empty() && !std::regex_match(size, sides, form)) {
     throw std::invalid_argument("--size " + size + ": must be of the form 1280x720");
   }
   for (std::size_t i = 1; i < sides.size(); ++i) {
-    const int side = std::stoi(sides[i]);
-    if (side < kSmallestSide || side > kLargestSide || side % 2 != 0) {
+    const double side = std::stod(sides[i]);
+    if (side < kSmallestSide || side > kLargestSide || std::fmod(side, 2.0) != 0.0) {
       throw std::invalid_argument(fmt::format("--size {}: sides must be even, from {} to {}", size,
                                               kSmallestSide, kLargestSide));
     }
-    (i == 1 ? style.width : style.height) = side;
+    (i == 1 ? style.width : style.height) = static_cast<int>(side);
   }
   const std::map<std::string, Look> looks = {
       {"", style.look}, {"fast", kFastLook}, {"full", kFullLook}, {"print", kPrintLook}};
