@@ -168,7 +168,8 @@ Model Model::load_physics(const ModelFile& mjcf, const std::vector<std::string>&
   std::vector<int> ids;
   for (const std::string& name : geoms) {
     const int id = mj_name2id(full.get(), mjOBJ_GEOM, name.c_str());
-    if (id >= 0) ids.push_back(id);
+    if (id < 0) return {copy_of(*full, mjcf.path), mjcf.path};  // the caller's error names them all
+    ids.push_back(id);
   }
   return {physics_part(*full, ids, mjcf.path), mjcf.path};
 }

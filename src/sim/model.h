@@ -62,7 +62,8 @@ class Model {
   /// stays if a sensor, tendon, <pair> or tuple names it or a fluid acts on it. The geoms in
   /// `geoms` also stay, because the run needs them or makes them collide. They count as able to
   /// touch every geom that can touch something. The ids of geoms differ from those of load(), which
-  /// pictures use. Throws as load() does.
+  /// pictures use. With a name in `geoms` that the model lacks it is that of load(). Throws as
+  /// load() does.
   static Model load_physics(const ModelFile& mjcf, const std::vector<std::string>& geoms = {});
 
   mjModel* get() { return model_.get(); }
