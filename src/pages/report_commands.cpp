@@ -37,7 +37,7 @@ struct RunsArguments {
   bool quiet = false;
 };
 
-// The replay opens the runs again and repeats their notes. Each note is printed once.
+// The replay repeats the notes of its runs. Each note is printed once.
 void say(const std::string& program, std::vector<std::string> notes,
          const std::vector<SavedRun>& runs) {
   for (const SavedRun& run : runs) {
