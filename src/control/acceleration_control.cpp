@@ -42,9 +42,9 @@ AccelerationControl::AccelerationControl(const AccelerationControlDesign& design
                 "acceleration control: needs one inertia and limit per joint");
   refuse_unless((nominal_inertia_.array() > 0.0).all() && (torque_limit_.array() > 0.0).all(),
                 "acceleration control: inertias and limits must be positive");
-  refuse_unless(
-      observer_->state().size() == 2 * joints() && observer_->disturbance().size() == joints(),
-      "acceleration control: needs an observer of all joints");
+  refuse_unless(observer_ && observer_->state().size() == 2 * joints() &&
+                    observer_->disturbance().size() == joints(),
+                "acceleration control: needs an observer of all joints");
   refuse_unless(
       !is_coupled() || (mass_matrix_.rows() == joints() && factor_.info() == Eigen::Success),
       "acceleration control: the mass matrix is not positive definite");
