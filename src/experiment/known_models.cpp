@@ -31,17 +31,34 @@ ModelHashes KnownModels::of(const std::vector<std::string>& files) {
   return hashes;
 }
 
-void KnownModels::check_unchanged() const {
-  Files all;
-  {
-    const std::lock_guard lock(mutex_);
-    for (const File& file : files_) all.push_back(&file);
-  }
-  for (const File* file : all) {
+void KnownModels::check(const Files& files) {
+  for (const File* file : files) {
     const auto& [path, hash] = *file;
     if (file_hash(path) == hash) continue;
     throw std::invalid_argument(path.string() + ": was changed while it ran: start again");
   }
+}
+
+void KnownModels::check_unchanged(const std::vector<std::string>& models) const {
+  Files files;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const std::string& model : models) {
+      const auto known = models_.find(model);
+      if (known == models_.end()) continue;
+      files.insert(files.end(), known->second.begin(), known->second.end());
+    }
+  }
+  check(files);
+}
+
+void KnownModels::check_unchanged() const {
+  Files files;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const File& file : files_) files.push_back(&file);
+  }
+  check(files);
 }
 
 }  // namespace breakwater

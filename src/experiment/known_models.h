@@ -22,8 +22,10 @@ class KnownModels {
   /// noted: at the first call. Throws std::invalid_argument `FILE: cannot be read`.
   ModelHashes of(const std::vector<std::string>& files);
 
-  /// Throws std::invalid_argument `FILE: was changed while it ran: start again` if a file has
-  /// changed.
+  /// Throws std::invalid_argument `FILE: was changed while it ran: start again` if a file of these
+  /// models has changed. A run checks its own alone: a study may have many large ones.
+  void check_unchanged(const std::vector<std::string>& models) const;
+  /// The same for all models.
   void check_unchanged() const;
 
  private:
@@ -31,6 +33,7 @@ class KnownModels {
   using Files = std::vector<const File*>;
 
   const Files& noted(const std::string& file);
+  static void check(const Files& files);
 
   // The entries do not change.
   std::map<std::filesystem::path, std::string> files_;

@@ -87,7 +87,7 @@ RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& 
                    RunControl control) {
   const math::FloatEnvironment floats;
   // The models may have changed since the preparation: other runs may have taken hours.
-  if (options.models != nullptr) options.models->check_unchanged();
+  if (options.models != nullptr) options.models->check_unchanged(run.model_files);
   ModelHashes models = options.models != nullptr ? options.models->of(run.model_files)
                                                  : model_hashes(run.model_files);
   try {

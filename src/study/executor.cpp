@@ -91,7 +91,7 @@ void fill(PointResult& result, RunControl control, Common& common) {
     known.check_unchanged();  // somebody may be writing the file
     return;
   }
-  known.check_unchanged();
+  known.check_unchanged(run.model_files);
   result.state_hash = fmt::format("{:016x}", recording.state_hash);
   if (recording.failure) {
     result.status = PointStatus::failed;
@@ -106,7 +106,7 @@ void fill(PointResult& result, RunControl control, Common& common) {
     if (!control.logs) {
       control.logs = true;
       recording = run.scenario->run(control);
-      known.check_unchanged();
+      known.check_unchanged(run.model_files);
     }
     ended.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     RunFolder target(folder, &common.left_beside(folder));

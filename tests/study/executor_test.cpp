@@ -171,6 +171,7 @@ TEST_F(Executor, AFileOfTwoModelsHasOneHash) {
   source_.write(source_.model(), "<mujoco><!-- other --></mujoco>");
   const ModelHashes second = models.of({other});
   EXPECT_EQ(first.begin()->second, second.at(first.begin()->first));
+  EXPECT_THROW(models.check_unchanged({other}), std::invalid_argument);
   EXPECT_THROW(models.check_unchanged(), std::invalid_argument);
 }
 
