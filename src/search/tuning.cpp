@@ -177,6 +177,7 @@ Plan worlds_of(std::vector<std::uint64_t> seeds, std::vector<VariedKey> keys, bo
   study.seeds = std::move(seeds);
   study.vary = std::move(keys);
   study.cases = {""};
+  study.places["vary"] = "world";
   return Plan(std::move(study));
 }
 

@@ -71,9 +71,10 @@ Plan::Plan(Study study) : study_(std::move(study)), candidates_(make_candidates(
       samples * static_cast<double>(seeds_) * static_cast<double>(candidates_.size());
   if (points > kMostOfAStudy) {
     throw std::invalid_argument(
-        fmt::format("vary: {:.3g} points are more than {:.0f}: {:.3g} samples, {} seeds, {} "
+        fmt::format("{}: {:.3g} points are more than {:.0f}: {:.3g} samples, {} seeds, {} "
                     "candidates",
-                    points, kMostOfAStudy, samples, seeds_, candidates_.size()));
+                    place_of(study_.places, "vary"), points, kMostOfAStudy, samples, seeds_,
+                    candidates_.size()));
   }
   samples_ = static_cast<std::size_t>(samples);
 }
