@@ -51,7 +51,8 @@ constexpr std::size_t kMostListedKinds = 30;  // kinds of failures in their tabl
 constexpr std::size_t kMostOfReason = 320;    // letters
 
 std::string shortened(const std::string& text) {
-  return text.size() <= kMostOfReason ? text : fmt::format("{:.{}} …", text, kMostOfReason);
+  const std::string begin = fmt::format("{:.{}}", text, kMostOfReason);
+  return begin.size() == text.size() ? text : begin + " …";
 }
 
 // The page of one study. All references must outlive it.
