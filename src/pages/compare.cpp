@@ -13,6 +13,7 @@
 #include <breakwater/experiment/differing_keys.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/replay_part.h>
+#include <breakwater/pages/run_report.h>
 #include <breakwater/pages/signal_charts.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/child_program.h>
@@ -112,54 +113,9 @@ Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
   styles_ = styles_of(catalogue, runs_);
   shots_ = shots_of(catalogue, runs_.front());
   const std::vector<Metric> metrics = choose_metrics(runs_, choice.metrics);
-  shown_ = shown_metrics(catalogue, runs_.front().scenario(), shots_, metrics);
-  std::vector<std::map<std::string, PublishedValue>> printed;
-  for (const SavedRun& run : runs_) printed.push_back(printed_of(catalogue, run));
-  for (const Metric& metric : metrics) {
-    const auto name_of = [](const ShownMetric& one) { return one.metric.name; };
-    const auto shown = std::ranges::find(shown_, metric.name, name_of);
-    rows_[metric.name] = row_of(*shown, printed);
-  }
+  rows_ = metric_rows(catalogue, runs_, shots_, metrics, labels_.front());
+  for (const Metric& metric : metrics) names_.push_back(metric.name);
   choose_signals();
-}
-
-// The metric's name, and a cell for each run.
-PageData Comparison::row_of(
-    const ShownMetric& shown,
-    const std::vector<std::map<std::string, PublishedValue>>& printed) const {
-  const Metric& metric = shown.metric;
-  PageData row =
-      PageData::array({{{"value", metric.name}, {"unit", metric.unit}, {"tip", shown.about}}});
-  std::vector<std::optional<double>> values;
-  for (const SavedRun& run : runs_) values.push_back(run.metric(metric.name));
-  const std::vector<std::string> words = differences_in_words(values);
-  for (std::size_t i = 0; i < runs_.size(); ++i) {
-    PageData cell = {{"value", nullptr}, {"difference", nullptr}, {"printed", nullptr}};
-    cell["in_words"] = words[i];
-    auto lines = PageData::array();
-    if (values[i]) cell["value"] = *values[i];
-    if (values[i] && values[0]) {
-      cell["difference"] = *values[i] - *values[0];
-      if (i > 0) {
-        lines.push_back({{"text", fmt::format("{} {} {}", words[i],
-                                              words[i] == "same" ? "as" : "vs", labels_.front())},
-                         {"kind", "spread"}});
-      }
-    }
-    const auto reference = printed[i].find(metric.name);
-    if (reference != printed[i].end()) {
-      cell["printed"] = reference->second.number;
-      cell["printed_text"] = reference->second.text;
-      if (values[i]) {
-        for (const PageData& line : printed_lines(reference->second, *values[i])) {
-          lines.push_back(line);
-        }
-      }
-    }
-    cell["lines"] = lines;
-    row.push_back(cell);
-  }
-  return row;
 }
 
 // The chosen signals, or those of the first run's page that all runs have: the first of each of its
@@ -199,7 +155,8 @@ std::string Comparison::text(std::size_t width) const {
   std::vector<std::string> header = {"metric", "unit"};
   header.insert(header.end(), labels_.begin(), labels_.end());
   Table table(header);
-  for (const auto& [name, row] : rows_.items()) {
+  for (const std::string& name : names_) {
+    const PageData& row = rows_[name];
     const std::string unit = row[0]["unit"];
     std::vector<std::string> values = {name, unit}, differences = {"  difference", "", ""},
                              printed = {"  printed", unit};
@@ -224,7 +181,8 @@ std::string Comparison::json() const {
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     all["runs"].push_back({{"label", labels_[i]}, {"folder", runs_[i].folder().string()}});
   }
-  for (const auto& [name, row] : rows_.items()) {
+  for (const std::string& name : names_) {
+    const PageData& row = rows_[name];
     PageData metric = {{"name", name}, {"unit", row[0]["unit"]}};
     for (std::size_t i = 1; i < row.size(); ++i) {
       metric["values"].push_back(row[i]["value"]);
@@ -243,7 +201,8 @@ std::string Comparison::csv() const {
     columns.push_back(csv_text(labels_[i] + " minus " + labels_[0]));
   }
   std::string text = csv_line(columns);
-  for (const auto& [name, row] : rows_.items()) {
+  for (const std::string& name : names_) {
+    const PageData& row = rows_[name];
     std::vector<std::string> line = {name, row[0]["unit"]};
     for (const auto& [from, what] : {std::pair(1, "value"), std::pair(2, "difference")}) {
       for (auto cell = row.begin() + from; cell != row.end(); ++cell) {
@@ -293,9 +252,7 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
                        {"tip", runs_[i].folder().string()}});
   }
   auto rows = PageData::array(), other_rows = PageData::array();
-  for (const ShownMetric& shown : shown_) {
-    (shown.is_key ? rows : other_rows).push_back(rows_[shown.metric.name]);
-  }
+  for (const PageData& row : rows_) (row[0]["is_key"] == true ? rows : other_rows).push_back(row);
   // A table, and one that is folded away.
   const auto add_table = [&columns](PageData& blocks, const char* label, const char* kind,
                                     const PageData& cells) {

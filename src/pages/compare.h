@@ -1,15 +1,13 @@
 // breakwater compare: runs of one scenario side by side.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <breakwater/experiment/references.h>
+#include <breakwater/experiment/catalogue.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/page_chart.h>
-#include <breakwater/pages/run_report.h>
 #include <breakwater/pictures/shot_list.h>
 
 namespace breakwater {
@@ -47,8 +45,6 @@ class Comparison {
   std::string html(std::vector<std::string>& notes) const;
 
  private:
-  PageData row_of(const ShownMetric& shown,
-                  const std::vector<std::map<std::string, PublishedValue>>& printed) const;
   void choose_signals();
   PageChart chart_of(const std::string& signal) const;
 
@@ -56,8 +52,8 @@ class Comparison {
   CompareChoice choice_;
   std::vector<SavedRun> runs_;
   std::vector<std::string> labels_;
-  std::vector<ShownMetric> shown_;      // in the order of the page
-  PageData rows_ = PageData::object();  // each metric's row of the table
+  std::vector<std::string> names_;  // of the metrics, as chosen
+  PageData rows_;                   // of the metrics, as on the page
   ShotList shots_;
   std::vector<LineStyle> styles_;
   std::vector<std::string> signals_;

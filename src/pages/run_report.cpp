@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <optional>
 #include <stdexcept>
-#include <tuple>
 
 #include <breakwater/experiment/differing_keys.h>
+#include <breakwater/experiment/references.h>
 #include <breakwater/experiment/runner.h>
+#include <breakwater/pages/compare.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/signal_charts.h>
@@ -18,24 +21,30 @@ namespace {
 
 constexpr std::size_t kFewestKeys = 4;
 
-// The key metrics as a card, and all as a table.
-std::pair<PageData, PageData> metrics_of(const Catalogue& catalogue, const SavedRun& run,
-                                         const ShotList& shots) {
-  const auto printed = printed_of(catalogue, run);
-  auto rows = PageData::array();
-  auto card = PageData::array();
-  for (const ShownMetric& shown : shown_metrics(catalogue, run.scenario(), shots, run.metrics())) {
-    const double value = shown.metric.value;
-    const std::string unit = shown.metric.unit == "1" ? "" : shown.metric.unit;
-    PageData cell = {{"value", value}};
-    const auto found = printed.find(shown.metric.name);
-    if (found != printed.end()) cell["lines"] = printed_lines(found->second, value);
-    rows.push_back(
-        PageData::array({{{"value", shown.metric.name}, {"tip", shown.about}}, cell, unit}));
-    cell.update({{"name", shown.metric.name}, {"tip", shown.about}, {"unit", unit}});
-    if (shown.is_key) card.push_back(cell);
+// The reference values of a run by metric. Empty unless the run has the settings of one of the
+// project's own cases: other settings make the comparison meaningless.
+std::map<std::string, PublishedValue> printed_of(const Catalogue& catalogue, const SavedRun& run) {
+  try {
+    const ScenarioFile file((run.folder() / "config.toml").string(), run.scenario());
+    const PreparedRun again = prepare_run(catalogue, run.scenario(), file, run.case_name(), {});
+    if (!is_as_shipped(catalogue, again)) return {};
+  } catch (const std::invalid_argument&) {
+    return {};  // the case may be from another version
   }
-  return {card, {{"label", "Metrics"}, {"columns", {"metric", "value", "unit"}}, {"rows", rows}}};
+  return published_values(catalogue, run.scenario(), run.case_name());
+}
+
+// In the cell of a metric: "thesis 2.83", and below it whether the measured value agrees.
+void add_printed(PageData& cell, const PublishedValue& reference,
+                 const std::optional<double>& measured) {
+  cell["printed"] = reference.number;
+  cell["printed_text"] = reference.text;
+  if (!measured) return;
+  const Agreement agreement = reference.agrees(*measured);
+  cell["lines"].push_back({{"text", "thesis " + reference.text}, {"kind", "printed"}});
+  cell["lines"].push_back({{"text", agreement.text + ": " + reference.deviation(*measured)},
+                           {"kind", "verdict " + agreement.tone},
+                           {"tip", agreement.rule}});
 }
 
 // The keys in which a run differs from its case.
@@ -52,17 +61,6 @@ PageData changed_table(const Catalogue& catalogue, const SavedRun& run) {
 }
 
 }  // namespace
-
-std::map<std::string, PublishedValue> printed_of(const Catalogue& catalogue, const SavedRun& run) {
-  try {
-    const ScenarioFile file((run.folder() / "config.toml").string(), run.scenario());
-    const PreparedRun again = prepare_run(catalogue, run.scenario(), file, run.case_name(), {});
-    if (!is_as_shipped(catalogue, again)) return {};
-  } catch (const std::invalid_argument&) {
-    return {};  // the case may be from another version
-  }
-  return published_values(catalogue, run.scenario(), run.case_name());
-}
 
 std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs,
                        bool with_replay, std::vector<std::string>& notes) {
@@ -84,14 +82,23 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
         has_scenario ? make_scenario(catalogue, run.scenario())->summary() + " · " : "";
     blocks.push_back(
         {{"about", fmt::format("{}seed {}", about, run.seed())}, {"tip", run.folder().string()}});
-    PageData table;
+    auto card = PageData::array(), rows = PageData::array();
     if (run.failure()) {
       add_block(blocks, "failure",
                 fmt::format("This run {} at {:.6g} s: {}. It has no metrics.",
                             run.failure()->verb(), run.failure()->time_s, run.failure()->reason));
     } else {
-      PageData card;
-      std::tie(card, table) = metrics_of(catalogue, run, shots);
+      for (PageData row : metric_rows(catalogue, {&run, 1}, shots, run.metrics(), labels[i])) {
+        const PageData name = row[0];
+        PageData unit = name["unit"];
+        if (unit == "1") unit = "";
+        if (name["is_key"] == true) {
+          card.push_back(row[1]);
+          card.back().update({{"name", name["value"]}, {"tip", name["tip"]}, {"unit", unit}});
+        }
+        row.push_back(unit);
+        rows.push_back(row);
+      }
       add_block(blocks, "card", card);
     }
     const PageData changed = changed_table(catalogue, run);
@@ -110,7 +117,8 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
     add_block(blocks, "figures", figures_of(charts.key, window));
     if (!run.failure()) {
       titled("-metrics", "All metrics");
-      add_block(blocks, "table", table);
+      add_block(blocks, "table",
+                {{"label", "Metrics"}, {"columns", {"metric", "value", "unit"}}, {"rows", rows}});
     }
     if (!charts.others.empty()) {
       add_other_charts(blocks, id + "-all", charts.others, window);
@@ -134,27 +142,54 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
   return html_page("runs", page);
 }
 
-std::vector<ShownMetric> shown_metrics(const Catalogue& catalogue, const std::string& scenario,
-                                       const ShotList& shots, const std::vector<Metric>& metrics) {
-  std::vector<std::string> names = shots.page.metrics;
+PageData metric_rows(const Catalogue& catalogue, std::span<const SavedRun> runs,
+                     const ShotList& shots, const std::vector<Metric>& metrics,
+                     const std::string& first_label) {
+  const std::string& scenario = runs.front().scenario();
+  std::vector<std::string> keys = shots.page.metrics;
   std::vector<MetricDefinition> definitions;
   if (catalogue.has<ScenarioKind>(scenario)) {
     const auto made = make_scenario(catalogue, scenario);
     definitions = made->metric_definitions();
-    if (names.empty()) names = made->main_metrics();
+    if (keys.empty()) keys = made->main_metrics();
   }
-  std::vector<ShownMetric> all;
+  std::vector<std::map<std::string, PublishedValue>> printed;
+  for (const SavedRun& run : runs) printed.push_back(printed_of(catalogue, run));
+  auto rows = PageData::object();
   const auto add = [&](const Metric& metric, bool is_key) {
-    const auto name_of = [](const ShownMetric& one) { return one.metric.name; };
-    if (std::ranges::find(all, metric.name, name_of) != all.end()) return;
+    if (rows.contains(metric.name)) return;
     const auto found = std::ranges::find(definitions, metric.name, &MetricDefinition::name);
-    all.push_back({metric, found == definitions.end() ? "" : found->text, is_key});
+    PageData& row = rows[metric.name];
+    row.push_back({{"value", metric.name},
+                   {"unit", metric.unit},
+                   {"tip", found == definitions.end() ? "" : found->text},
+                   {"is_key", is_key}});
+    std::vector<std::optional<double>> values;
+    for (const SavedRun& run : runs) values.push_back(run.metric(metric.name));
+    const std::vector<std::string> words = differences_in_words(values);
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      PageData cell = {{"value", nullptr},
+                       {"difference", nullptr},
+                       {"in_words", words[i]},
+                       {"printed", nullptr},
+                       {"lines", PageData::array()}};
+      if (values[i]) cell["value"] = *values[i];
+      if (values[i] && values[0]) {
+        cell["difference"] = *values[i] - *values[0];
+        const char* to = words[i] == "same" ? "as" : "vs";
+        const std::string line = fmt::format("{} {} {}", words[i], to, first_label);
+        if (i > 0) cell["lines"].push_back({{"text", line}, {"kind", "spread"}});
+      }
+      const auto reference = printed[i].find(metric.name);
+      if (reference != printed[i].end()) add_printed(cell, reference->second, values[i]);
+      row.push_back(cell);
+    }
   };
-  for (const Metric& metric : main_metrics(names, metrics)) add(metric, true);
+  for (const Metric& metric : main_metrics(keys, metrics)) add(metric, true);
   for (const Metric& metric : metrics) {
-    add(metric, shots.page.metrics.empty() && all.size() < kFewestKeys);
+    add(metric, shots.page.metrics.empty() && rows.size() < kFewestKeys);
   }
-  return all;
+  return rows;
 }
 
 PageData figures_of(const std::vector<PageChart>& charts, const std::optional<Window>& window) {
@@ -174,14 +209,6 @@ void add_other_charts(PageData& blocks, const std::string& id, const std::vector
             {{"id", id},
              {"summary", fmt::format("All signals: {} more charts", charts.size())},
              {"blocks", folded}});
-}
-
-PageData printed_lines(const PublishedValue& reference, double measured) {
-  const Agreement agreement = reference.agrees(measured);
-  return {{{"text", "thesis " + reference.text}, {"kind", "printed"}},
-          {{"text", agreement.text + ": " + reference.deviation(measured)},
-           {"kind", "verdict " + agreement.tone},
-           {"tip", agreement.rule}}};
 }
 
 ShotList shots_of(const Catalogue& catalogue, const SavedRun& run) {
