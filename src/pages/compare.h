@@ -52,8 +52,8 @@ class Comparison {
   CompareChoice choice_;
   std::vector<SavedRun> runs_;
   std::vector<std::string> labels_;
-  std::vector<std::string> names_;  // of the metrics, as chosen
-  PageData rows_;                   // of the metrics, as on the page
+  std::vector<std::string> names_;  // the metrics as chosen
+  PageData rows_;                   // the metrics as on the page
   ShotList shots_;
   std::vector<LineStyle> styles_;
   std::vector<std::string> signals_;
