@@ -48,24 +48,21 @@ void check(const std::vector<SavedRun>& runs) {
 // The chosen metrics, or all, in the order of the first run that has them.
 std::vector<Metric> choose_metrics(const std::vector<SavedRun>& runs,
                                    const std::vector<std::string>& chosen) {
-  std::vector<Metric> all, metrics;
+  std::vector<Metric> all;
   std::vector<std::string> names;
   for (const SavedRun& run : runs) {
     for (const Metric& metric : run.metrics()) {
-      if (std::ranges::find(names, metric.name) != names.end()) continue;
+      if (metric_in(all, metric.name)) continue;
       all.push_back(metric);
       names.push_back(metric.name);
     }
   }
   for (const std::string& name : chosen) {
-    const auto place = std::ranges::find(all, name, &Metric::name);
-    if (place == all.end()) {
-      throw std::invalid_argument(
-          fmt::format("--metric: {}: no run has it{}", name, did_you_mean(name, names)));
-    }
-    metrics.push_back(*place);
+    if (metric_in(all, name)) continue;
+    throw std::invalid_argument(
+        fmt::format("--metric: {}: no run has it{}", name, did_you_mean(name, names)));
   }
-  return chosen.empty() ? all : metrics;
+  return chosen.empty() ? all : main_metrics(chosen, all);
 }
 
 // The run that says what a signal is: the first that has it.
@@ -114,7 +111,9 @@ Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
   shots_ = shots_of(catalogue, runs_.front());
   const std::vector<Metric> metrics = choose_metrics(runs_, choice.metrics);
   rows_ = metric_rows(catalogue, runs_, shots_, metrics, labels_.front());
-  for (const Metric& metric : metrics) names_.push_back(metric.name);
+  for (const Metric& metric : metrics) {
+    if (std::ranges::find(names_, metric.name) == names_.end()) names_.push_back(metric.name);
+  }
   choose_signals();
 }
 
