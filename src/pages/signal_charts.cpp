@@ -55,9 +55,8 @@ LineStyle order_of(const LogEntry& entry) {
 
 // The signal's name for "physics/NAME[3]".
 std::string bare(const std::string& name) {
-  const std::size_t slash = name.find('/');
-  const std::size_t begin = slash == std::string::npos ? 0 : slash + 1;
-  return name.substr(begin, name.find('[') - begin);
+  const std::string whole = name.substr(0, name.find('['));
+  return whole.substr(whole.find('/') + 1);
 }
 
 // Another group may have the same signal at another rate.
