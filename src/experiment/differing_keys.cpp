@@ -17,9 +17,9 @@ namespace {
 constexpr std::size_t kMostKeysInLabel = 3;
 const std::string kAbsent = "–";
 
-Config config_of(const fs::path& folder, const std::string& scenario,
-                 const std::string& case_name) {
-  return ScenarioFile((folder / "config.toml").string(), scenario).config(case_name);
+Config config_of(const SavedRun& run) {
+  const std::string file = (run.folder() / "config.toml").string();
+  return ScenarioFile(file, run.scenario()).config(run.case_name());
 }
 
 std::vector<DifferingKey> differing_keys(const std::vector<Config>& configs) {
@@ -69,7 +69,7 @@ std::vector<DifferingKey> changed_keys(const Catalogue& catalogue, const fs::pat
     const auto file = kind.scenario_file();
     if (!file->has_case(case_name)) return changed;
     const Config shipped = file->config(case_name);
-    const Config own = config_of(folder, scenario, case_name);
+    const Config own = ScenarioFile((folder / "config.toml").string(), scenario).config(case_name);
     if (has_own_axis(own, shipped)) return changed;
     changed = differing_keys({own, shipped});
     std::erase_if(changed, [](const DifferingKey& key) {
@@ -88,9 +88,7 @@ std::string label_of(const Catalogue& catalogue, const fs::path& folder,
 
 std::vector<DifferingKey> differing_keys(const std::vector<SavedRun>& runs) {
   std::vector<Config> configs;
-  for (const SavedRun& run : runs) {
-    configs.push_back(config_of(run.folder(), run.scenario(), run.case_name()));
-  }
+  for (const SavedRun& run : runs) configs.push_back(config_of(run));
   return differing_keys(configs);
 }
 
@@ -115,14 +113,13 @@ std::vector<std::string> labels_of(const Catalogue& catalogue, const std::vector
           label_of(catalogue, run.folder(), run.scenario(), run.case_name());
       continue;
     }
-    std::vector<SavedRun> same;
-    for (const std::size_t i : numbers) same.push_back(runs[i]);
-    std::vector<DifferingKey> keys;
+    std::vector<Config> configs;
     try {
-      keys = differing_keys(same);
+      for (const std::size_t i : numbers) configs.push_back(config_of(runs[i]));
     } catch (const std::invalid_argument&) {
       continue;  // The configuration cannot be read: use the folder as the label.
     }
+    const std::vector<DifferingKey> keys = differing_keys(configs);
     if (keys.size() > kMostKeysInLabel) continue;
     for (const DifferingKey& key : keys) {
       for (std::size_t k = 0; k < numbers.size(); ++k) {
