@@ -60,7 +60,7 @@ std::string printed(const std::string& text) {
   Fields fields = plant.fields();
   fields.check(file);
   fields.read(config);
-  plant.check(config);
+  plant.check(config, fields);
   plant.metric_definitions();
   fields.unused();
   return fields.print("plant", name);
