@@ -53,7 +53,7 @@ double inner_rise_of(const ReductionSetup& setup, const AddedValues& added) {
 }
 
 template <std::optional<double> (SampleStatistics::*kStatistic)() const, Number kNumber = value_of>
-class Statistic final : public Reduction {
+class Statistic : public Reduction {
  public:
   using Reduction::Reduction;
   void add(const AddedValues& added) override { numbers_.add(kNumber(setup_, added)); }
@@ -64,30 +64,22 @@ class Statistic final : public Reduction {
 };
 
 template <Number kNumber>
-class Total : public Reduction {
- public:
-  using Reduction::Reduction;
-  void add(const AddedValues& added) override { total_ += kNumber(setup_, added); }
-  std::optional<double> value() const override { return total_; }
-
- private:
-  double total_ = 0.0;
-};
+using Total = Statistic<&SampleStatistics::sum, kNumber>;
 
 class Bounces final : public Total<rise_of> {
  public:
-  using Total::Total;
+  using Statistic::Statistic;
   std::optional<double> value() const override {
-    const double rises = *Total::value();
+    const double rises = *Statistic::value();
     return rises == 0.0 ? std::nullopt : std::optional(rises - 1.0);
   }
 };
 
 class RiseRate final : public Total<inner_rise_of> {
  public:
-  using Total::Total;
+  using Statistic::Statistic;
   std::optional<double> value() const override {
-    return *Total::value() / setup_.window.length_s();
+    return *Statistic::value() / setup_.window.length_s();
   }
 };
 
@@ -300,8 +292,8 @@ class Decay final : public Reduction {
   }
 
  private:
-  RunningVariance first_;
-  RunningVariance last_;
+  SampleStatistics first_;
+  SampleStatistics last_;
 };
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <limits>
 #include <map>
@@ -84,51 +83,27 @@ struct ReductionSetup {
   std::size_t values;  ///< number of values that are added at a time
 };
 
-/// Mean and variance of the added values, by Welford's recursion.
-class RunningVariance {
- public:
-  void add(double value) {
-    ++count_;
-    const double step = value - mean_;
-    mean_ += step / static_cast<double>(count_);
-    squared_deviation_ += step * (value - mean_);
-  }
-
-  std::int64_t count() const { return count_; }
-  double mean() const { return mean_; }
-  /// The sample standard deviation; nothing for less than two values.
-  std::optional<double> standard_deviation() const {
-    if (count_ < 2) return std::nullopt;
-    return std::sqrt(squared_deviation_ / static_cast<double>(count_ - 1));
-  }
-
- private:
-  std::int64_t count_ = 0;
-  double mean_ = 0.0;
-  double squared_deviation_ = 0.0;
-};
-
 /// Mean, spread, root mean square, extremes and ends of the added values; nothing without any.
 class SampleStatistics {
  public:
   void add(double value) {
-    if (variance_.count() == 0) first_ = value;
+    if (count_ == 0.0) first_ = value;
     last_ = value;
     sum_ += value;
     sum_of_squares_ += value * value;
-    variance_.add(value);
+    count_ += 1.0;
+    const double step = value - running_mean_;
+    running_mean_ += step / count_;
+    squared_deviation_ += step * (value - running_mean_);
     largest_ = std::max(largest_, value);
     smallest_ = std::min(smallest_, value);
   }
 
-  std::optional<double> mean() const {
-    return if_any(sum_ / static_cast<double>(variance_.count()));
-  }
+  std::optional<double> sum() const { return if_any(sum_); }
+  std::optional<double> mean() const { return if_any(sum_ / count_); }
   /// The mean by Welford's recursion.
-  std::optional<double> running_mean() const { return if_any(variance_.mean()); }
-  std::optional<double> rms() const {
-    return if_any(std::sqrt(sum_of_squares_ / static_cast<double>(variance_.count())));
-  }
+  std::optional<double> running_mean() const { return if_any(running_mean_); }
+  std::optional<double> rms() const { return if_any(std::sqrt(sum_of_squares_ / count_)); }
   std::optional<double> largest() const { return if_any(largest_); }
   std::optional<double> smallest() const { return if_any(smallest_); }
   /// The largest |value|.
@@ -142,25 +117,30 @@ class SampleStatistics {
     if (!(first_ > 0.0)) return std::nullopt;
     return -last_ / first_;
   }
-  /// The sample standard deviation; nothing for less than two values.
-  std::optional<double> standard_deviation() const { return variance_.standard_deviation(); }
+  /// The sample standard deviation, by Welford's recursion; nothing for less than two values.
+  std::optional<double> standard_deviation() const {
+    if (count_ < 2.0) return std::nullopt;
+    return std::sqrt(squared_deviation_ / (count_ - 1.0));
+  }
   /// The largest |value − mean|.
   std::optional<double> largest_deviation() const {
-    const double middle = sum_ / static_cast<double>(variance_.count());
+    const double middle = sum_ / count_;
     return if_any(std::max(largest_ - middle, middle - smallest_));
   }
 
  private:
   std::optional<double> if_any(double value) const {
-    if (variance_.count() == 0) return std::nullopt;
+    if (count_ == 0.0) return std::nullopt;
     return value;
   }
 
+  double count_ = 0.0;
   double first_ = 0.0;
   double last_ = 0.0;
   double sum_ = 0.0;
   double sum_of_squares_ = 0.0;
-  RunningVariance variance_;
+  double running_mean_ = 0.0;
+  double squared_deviation_ = 0.0;
   double largest_ = -std::numeric_limits<double>::infinity();
   double smallest_ = std::numeric_limits<double>::infinity();
 };
