@@ -566,9 +566,6 @@ struct MetricValues::Row {
   }
 };
 
-MetricValues::MetricValues() = default;
-MetricValues::MetricValues(MetricValues&&) noexcept = default;
-MetricValues& MetricValues::operator=(MetricValues&&) noexcept = default;
 MetricValues::~MetricValues() = default;
 
 MetricValues::MetricValues(const MetricRows& rows, const std::vector<Signal>& of_run, double end_s,

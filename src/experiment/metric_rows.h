@@ -139,14 +139,11 @@ std::string missing_signal(const MetricRow& row, const MetricKind& kind,
 /// The metrics of one run, computed value by value.
 class MetricValues {
  public:
-  MetricValues();
   /// `signals` must outlive it. The first one of a name counts. `events` are the events of
   /// MetricContext. Throws std::invalid_argument if a cut-off is too high. A row [signal.NAME] may
   /// neither have the name of another signal nor need one value of a signal with several.
   MetricValues(const MetricRows& rows, const std::vector<Signal>& of_run, double end_s,
                const MetricExpression::Events& events = {});
-  MetricValues(MetricValues&&) noexcept;
-  MetricValues& operator=(MetricValues&&) noexcept;
   ~MetricValues();
 
   /// The signals of the rows [signal.NAME]. A run without a signal that one needs lacks it.

@@ -2,6 +2,7 @@
 #include <breakwater/experiment/metric_rows.h>
 
 #include <deque>
+#include <optional>
 
 #include "support.h"
 #include "tables.h"
@@ -33,9 +34,12 @@ class History {
     signals_.push_back({name, "", "", view(values_.emplace_back(0.0))});
     return values_.back();
   }
-  MetricValues& run() { return run_ = MetricValues(rows_, signals_, 10.0, {{"hit", &hit_s}}); }
+  MetricValues& run() {
+    const MetricExpression::Events events = {{"hit", &hit_s}};
+    return run_.emplace(rows_, signals_, 10.0, events);
+  }
   std::optional<double> metric(const std::string& name) const {
-    for (const Metric& metric : run_.metrics()) {
+    for (const Metric& metric : run_->metrics()) {
       if (metric.name == name) return metric.value;
     }
     return std::nullopt;
@@ -47,7 +51,7 @@ class History {
   MetricRows rows_;
   std::deque<double> values_;
   std::vector<Signal> signals_;
-  MetricValues run_;
+  std::optional<MetricValues> run_;
 };
 
 // In the step response of ω² / (s² + 2 ζ ω s + ω²) the overshoot is exp(−π ζ/√(1 − ζ²)). The error
