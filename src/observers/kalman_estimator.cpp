@@ -4,6 +4,7 @@
 #include <string>
 
 #include <breakwater/linear/riccati.h>
+#include <breakwater/linear/small_products.h>
 
 namespace breakwater {
 
@@ -35,39 +36,11 @@ double sum(const Term& term) {
   return terms[0];
 }
 
-/// The sum of `count` terms with a distance of `stride`, by halves. This and the two functions
-/// below keep the order of Eigen's products of fixed size, and so the bits of earlier runs.
-template <int count, int stride>
-double halves(const double* terms) {
-  if constexpr (count == 1) {
-    return terms[0];
-  } else {
-    constexpr int half = count / 2;
-    return halves<half, stride>(terms) + halves<count - half, stride>(terms + half * stride);
-  }
-}
-
-template <int N>
-double output(const double* c, const double* __restrict x) {
-  double terms[N];
-  for (int i = 0; i < N; ++i) terms[i] = c[i] * x[i];
-  const double pairs = halves<N / 2, 2>(terms) + halves<N / 2, 2>(terms + 1);
-  return N % 2 == 0 ? pairs : pairs + terms[N - 1];
-}
-
 template <int N>
 void predict(const double* A, const double* b, const double* Q, double u, double* __restrict x,
              double* __restrict P) {
   double Ax[N];
-  for (int i = 0; i < N; ++i) {
-    Ax[i] = A[i] * x[0];
-    for (int k = 1; k < N; ++k) Ax[i] += A[i + k * N] * x[k];
-  }
-  if (N % 2 != 0) {
-    double last[N];
-    for (int k = 0; k < N; ++k) last[k] = A[N - 1 + k * N] * x[k];
-    Ax[N - 1] = halves<N, 1>(last);
-  }
+  multiply<N>(A, x, Ax);
   for (int i = 0; i < N; ++i) x[i] = Ax[i] + b[i] * u;
 
   double AP[N][N];
@@ -122,7 +95,7 @@ void correct(const double* __restrict h, const double* c, bool is_first, double 
 }
 
 template <int N>
-constexpr OneOutputKernel kKernel = {predict<N>, output<N>, measure<N>, correct<N>};
+constexpr OneOutputKernel kKernel = {predict<N>, dot<N>, measure<N>, correct<N>};
 constexpr const OneOutputKernel* kKernels[] = {&kKernel<2>, &kKernel<3>, &kKernel<4>, &kKernel<5>,
                                                &kKernel<6>};
 
