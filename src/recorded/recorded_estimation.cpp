@@ -97,14 +97,10 @@ std::optional<std::string> doubt_of(const std::vector<Metric>& metrics) {
   constexpr double kPrediction = 2.0;
   constexpr double kTransients = 1.0;
   constexpr double kCorrelated = 0.5;
-  const auto metric = [&](const char* name) {
-    const auto found = std::ranges::find(metrics, name, &Metric::name);
-    return found == metrics.end() ? std::nullopt : std::optional(found->value);
-  };
-  const auto count = metric("sample_count");
-  const auto square = metric("normalised_innovation_squared");
-  const auto beyond = metric("unexplained_share");
-  const auto correlation = metric("innovation_correlation_1");
+  const auto count = metric_in(metrics, "sample_count");
+  const auto square = metric_in(metrics, "normalised_innovation_squared");
+  const auto beyond = metric_in(metrics, "unexplained_share");
+  const auto correlation = metric_in(metrics, "innovation_correlation_1");
   if (!count || !square || !beyond || !correlation) return std::nullopt;
   // The number of independent squares for a geometric correlation; at least one in 200.
   const double memory = std::min(*correlation * *correlation, 0.99);
@@ -236,20 +232,15 @@ Recording RecordedEstimation::run(const RunControl& control) const {
   double input = 0.0;
   double raw_velocity = 0.0;
   double stretch = 0.0;
-  const auto part = [](const DisturbanceEstimator::View& values, Eigen::Index i) {
-    return view(*(values.data() + i));
-  };
+  const std::vector<Signal> estimates = estimate_signals(*estimator, units);
   std::vector<Signal> signals = {
       {"position_measured_" + units.position, units.position, "y of the record", view(position)},
       {"applied_" + units.force_suffix, units.force, "u of the record", view(input)},
-      {"position_hat_" + units.position, units.position, "position, estimated",
-       part(estimator->state(), 0)},
-      {"velocity_hat_" + units.velocity_suffix, units.velocity, "velocity, estimated",
-       part(estimator->state(), 1)},
+      estimates[0],
+      estimates[1],
       {"velocity_raw_" + units.velocity_suffix, units.velocity,
        "raw difference of y over an interval; 0 at the first row of a stretch", view(raw_velocity)},
-      {"d_hat_" + units.force_suffix, units.force, "estimated disturbance, which opposes the input",
-       part(estimator->disturbance(), 0)},
+      estimates[2],
       {"stretch", "1",
        "number of the part of the record since the last restart of the estimator, from 1",
        view(stretch)}};
@@ -298,12 +289,12 @@ Recording RecordedEstimation::run(const RunControl& control) const {
     input = record_.inputs[k];
     estimator->update(k == 0 ? no_input : intervals.held_input(), y);
     log.append(time_s);
-    const double estimates[] = {estimator->state()(0), estimator->state()(1),
-                                estimator->disturbance()(0)};
-    hash.update(estimates);
-    d.add(estimates[2]);
+    const double values[] = {estimator->state()(0), estimator->state()(1),
+                             estimator->disturbance()(0)};
+    hash.update(values);
+    d.add(values[2]);
     if (!innovation.empty() && !starts) {
-      innovations.add(innovation.front(), estimates[1] * time_std_s_);
+      innovations.add(innovation.front(), values[1] * time_std_s_);
     }
   }
 
