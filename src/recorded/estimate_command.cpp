@@ -34,20 +34,9 @@ struct Arguments {
   bool quiet = false;
 };
 
-// The file, the case and the sets of the arguments.
-struct Request {
-  ScenarioFile file;
-  std::string case_name;
-  std::vector<std::string> sets;
-  std::string called;
-};
-
-Request request_of(const Catalogue& catalogue, const Arguments& arguments) {
-  ScenarioFile file(
-      arguments.config.empty() ? recorded_estimation().file().string() : arguments.config,
-      kEstimate);
-  // The file has a case for each estimator of Breakwater. Another one needs --set.
-  const bool has_settings = file.has_case(arguments.observer);
+// The options as sets. `has_settings`: the file has a case for the observer.
+std::vector<std::string> sets_of(const Catalogue& catalogue, const Arguments& arguments,
+                                 bool has_settings) {
   std::vector<std::string> sets;
   if (!arguments.csv.empty()) sets.push_back("csv.file=" + toml_string(arguments.csv));
   if (!arguments.observer.empty() && !has_settings) {
@@ -61,38 +50,37 @@ Request request_of(const Catalogue& catalogue, const Arguments& arguments) {
     }
   }
   sets.insert(sets.end(), arguments.sets.begin(), arguments.sets.end());
-  std::string case_name = has_settings ? arguments.observer : file.default_case();
-  const Config config = file.config(case_name, sets);
-  const ConfigEntry* const name = config.find("observer.name");
-  const bool is_other = name != nullptr && name->is_set();
-  std::string called = is_other ? config.text("observer.name").value_or(case_name) : case_name;
-  return {std::move(file), std::move(case_name), std::move(sets), std::move(called)};
-}
-
-// The record may still be missing: the user fills in its name and the other required keys.
-std::string editable_config(const Catalogue& catalogue, const Request& request,
-                            const std::string& name) {
-  RecordedEstimation estimation(catalogue);
-  Fields fields = estimation.fields();
-  fields.check(request.file);
-  fields.read_incomplete(request.file.config(request.case_name, request.sets));
-  return fields.print(kEstimate, name);
+  return sets;
 }
 
 int estimate(const Catalogue& catalogue, const Arguments& arguments) {
   stop_on_signals();
-  const Request request = request_of(catalogue, arguments);
+  const ScenarioFile file(
+      arguments.config.empty() ? recorded_estimation().file().string() : arguments.config,
+      kEstimate);
+  // The file has a case for each estimator of Breakwater. Another one needs --set.
+  const bool has_settings = file.has_case(arguments.observer);
+  const std::vector<std::string> sets = sets_of(catalogue, arguments, has_settings);
+  const std::string case_name = has_settings ? arguments.observer : file.default_case();
+  const Config config = file.config(case_name, sets);
+  const ConfigEntry* const name = config.find("observer.name");
+  const bool is_other = name != nullptr && name->is_set();
+  const std::string called =
+      is_other ? config.text("observer.name").value_or(case_name) : case_name;
   if (arguments.list_cases) {
-    for (const std::string& name : request.file.cases()) fmt::print("{}\n", name);
+    for (const std::string& one : file.cases()) fmt::print("{}\n", one);
     return kSuccess;
   }
+  auto scenario = std::make_unique<RecordedEstimation>(catalogue);
   if (arguments.print_config) {
-    fmt::print("{}", editable_config(catalogue, request, request.called));
+    // The record may still be missing: the user fills in its name and the other required keys.
+    Fields fields = scenario->fields();
+    fields.check(file);
+    fields.read_incomplete(config);
+    fmt::print("{}", fields.print(kEstimate, called));
     return kSuccess;
   }
-  const PreparedRun run =
-      prepare_scenario(std::make_unique<RecordedEstimation>(catalogue), request.file,
-                       request.case_name, request.sets, request.called);
+  const PreparedRun run = prepare_scenario(std::move(scenario), file, case_name, sets, called);
   if (!arguments.quiet) {
     for (const IneffectiveKey& ineffective : run.ineffective) {
       // A tuned file has the keys of all observers.
