@@ -62,12 +62,9 @@ void AccelerationControl::update(const Eigen::Ref<const Eigen::VectorXd>& measur
   held_.noalias() = mass_matrix_ * torque_;
 }
 
-double AccelerationControl::lower_acceleration(Eigen::Index joint) const {
-  return (-torque_limit_(joint) - d_hat()(joint)) / nominal_inertia_(joint);
-}
-
-double AccelerationControl::upper_acceleration(Eigen::Index joint) const {
-  return (torque_limit_(joint) - d_hat()(joint)) / nominal_inertia_(joint);
+double AccelerationControl::bound(Eigen::Index joint, double torque_Nm) const {
+  return is_coupled() ? torque_Nm - held_(joint)
+                      : (torque_Nm - d_hat()(joint)) / nominal_inertia_(joint);
 }
 
 void AccelerationControl::limited_part(const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,

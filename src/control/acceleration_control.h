@@ -61,17 +61,10 @@ class AccelerationControl {
   View dq_hat() const { return {observer_->state().data() + joints(), joints()}; }
   View d_hat() const { return observer_->disturbance(); }
 
-  /// Bounds of the acceleration that keep the torque of an independent joint within its limits
-  /// (Eqs. 2.83, 2.84) [rad/s²].
-  double lower_acceleration(Eigen::Index joint) const;
-  double upper_acceleration(Eigen::Index joint) const;
-  /// Bounds of limited_part().
-  double lower(Eigen::Index joint) const {
-    return is_coupled() ? -torque_limit_(joint) - held_(joint) : lower_acceleration(joint);
-  }
-  double upper(Eigen::Index joint) const {
-    return is_coupled() ? torque_limit_(joint) - held_(joint) : upper_acceleration(joint);
-  }
+  /// Bounds of limited_part() that keep a joint's torque within its limits: of the acceleration if
+  /// the joints are independent (Eqs. 2.83, 2.84) [rad/s²].
+  double lower(Eigen::Index joint) const { return bound(joint, -torque_limit_(joint)); }
+  double upper(Eigen::Index joint) const { return bound(joint, torque_limit_(joint)); }
   /// The largest share of `more`, up to 1, that the limits leave beside an acceleration.
   double share_within_limits(const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,
                              const Eigen::Ref<const Eigen::VectorXd>& more_rad_s2);
@@ -94,6 +87,8 @@ class AccelerationControl {
   const DisturbanceEstimator& observer() const { return *observer_; }
 
  private:
+  double bound(Eigen::Index joint, double torque_Nm) const;
+
   Eigen::VectorXd nominal_inertia_;
   Eigen::VectorXd torque_limit_;
   Eigen::MatrixXd mass_matrix_;  // M_n of coupled joints

@@ -139,9 +139,8 @@ double SoftContact::braking_of_elbow(double inertia_kgm2) const {
   const double share = along_(elbow_);
   if (std::abs(share) < kSmallestShare) return authority_(0);
   const double to_joint = inertia_(elbow_) / inertia_kgm2;
-  const double one = (joints().lower_acceleration(elbow_) * to_joint - otherwise_(elbow_)) / share;
-  const double other =
-      (joints().upper_acceleration(elbow_) * to_joint - otherwise_(elbow_)) / share;
+  const double one = (joints().lower(elbow_) * to_joint - otherwise_(elbow_)) / share;
+  const double other = (joints().upper(elbow_) * to_joint - otherwise_(elbow_)) / share;
   return std::max(kLeastAuthority_m_s2, -std::min(one, other));
 }
 

@@ -64,8 +64,8 @@ TEST(AccelerationControl, AccelerationLimitsKeepTheTorqueLimits) {
     control.command(Eigen::Vector2d(1, 1), torque);
   }
   ASSERT_GT(control.d_hat().norm(), 0.1);
-  const Eigen::Vector2d upper(control.upper_acceleration(0), control.upper_acceleration(1));
-  const Eigen::Vector2d lower(control.lower_acceleration(0), control.lower_acceleration(1));
+  const Eigen::Vector2d upper(control.upper(0), control.upper(1));
+  const Eigen::Vector2d lower(control.lower(0), control.lower(1));
   control.command(upper, torque);
   EXPECT_TRUE(torque.isApprox(Eigen::Vector2d(20, 10), 1e-12));
   control.command(lower, torque);
