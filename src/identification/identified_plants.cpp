@@ -152,12 +152,9 @@ std::vector<IdentifiedNumbers> drawn_plants(const Identification& identification
   for (std::uint64_t n = 0; n < count; ++n) {
     const Eigen::VectorXd point = sampler.point(n);
     const Eigen::VectorXd change = spread * point.head(free).unaryExpr(&normal_quantile);
-    AxisValues values = identification.fit.values;
-    for (Eigen::Index i = 0; i < free; ++i) {
-      const AxisParameter p = identification.parameters[static_cast<std::size_t>(i)].parameter;
-      values[p] = moved_parameter(identification.data, p, values[p], change(i));
-    }
-    plants.push_back(plant_of(identification, values));
+    const AxisFit moved =
+        moved_fit(identification.data, identification.free, identification.fit, change);
+    plants.push_back(plant_of(identification, moved.values));
     plants.back()["phase"] = (point(free) - 0.5) * identification.data.quantum;
   }
   return plants;
