@@ -433,8 +433,9 @@ int identify_main(const Catalogue& catalogue, int argc, const char* const* argv)
       refuse("--friction: stribeck needs --model axis");
     }
     if (arguments.files.empty()) refuse("FILE is missing: a recorded table");
-    const std::vector<std::string> words(argv + 1, argv + argc);
-    return identify(catalogue, arguments, fmt::format("{} {}", program, fmt::join(words, " ")));
+    std::string command = program;
+    for (int i = 1; i < argc; ++i) command += " " + shell_word(argv[i]);
+    return identify(catalogue, arguments, command);
   });
 }
 
