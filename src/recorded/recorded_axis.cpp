@@ -495,27 +495,24 @@ RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& for
                                           {format.position_column, "csv.position_column"}},
                                          TableKind::laboratory);
   RecordedAxis axis = Repair(file, table, format.time_column).result();
-  const auto multiply = [](std::vector<double>& values, double scale) {
-    for (double& value : values) value *= scale;
-  };
-  const double scales[] = {format.time_scale, format.input_scale, format.position_scale};
-  std::vector<double>* const columns[] = {&axis.times_s, &axis.inputs, &axis.positions};
-  bool has_position_scale = false;
-  for (std::size_t i = 0; i < 3; ++i) {
-    double scale = scales[i];
-    const std::string& unit = table.units[i];
+  // Multiplies the numbers of a column. Returns the scale: the given one, or that of its unit.
+  const auto multiply = [&](const std::string& unit, double scale,
+                            std::initializer_list<std::vector<double>*> numbers) {
     if (scale == 1.0 && unit_in_si(unit).value_or(1.0) != 1.0) {
       scale = *unit_in_si(unit);
       axis.repairs.push_back(
           fmt::format("the unit {} of the first lines: 1 is {:.6g} in SI units", unit, scale));
     }
-    multiply(*columns[i], scale);
-    if (i == 2) has_position_scale = scale != 1.0;
-    if (i == 0) multiply(axis.input_times_s, scale);
-    if (i == 1) multiply(axis.all_inputs, scale);
-  }
+    for (std::vector<double>* values : numbers) {
+      for (double& value : *values) value *= scale;
+    }
+    return scale;
+  };
+  multiply(table.units[0], format.time_scale, {&axis.times_s, &axis.input_times_s});
+  multiply(table.units[1], format.input_scale, {&axis.inputs, &axis.all_inputs});
+  const double scale = multiply(table.units[2], format.position_scale, {&axis.positions});
   check_finite(file, axis);
-  axis.doubts = doubts_of(axis, has_position_scale);
+  axis.doubts = doubts_of(axis, scale != 1.0);
   return axis;
 }
 
