@@ -261,8 +261,7 @@ Recording RecordedEstimation::run(const RunControl& control) const {
                              .instant_std_s = time_std_s_,
                              .output_std = sensor_std});
   const bool is_followed = follows_ && !intervals.is_regular();
-  const Eigen::VectorXd no_input = Eigen::VectorXd::Zero(1);
-  Eigen::VectorXd y = no_input;
+  Eigen::VectorXd y(1);
   Eigen::VectorXd start = Eigen::VectorXd::Zero(2);
   for (std::size_t k = 0; k < rows; ++k) {
     if (k % kRowsBetweenReports == 0) {
@@ -287,7 +286,7 @@ Recording RecordedEstimation::run(const RunControl& control) const {
     }
     position = y(0);
     input = record_.inputs[k];
-    estimator->update(k == 0 ? no_input : intervals.held_input(), y);
+    estimator->update(intervals.held_input(), y);
     log.append(time_s);
     const double values[] = {estimator->state()(0), estimator->state()(1),
                              estimator->disturbance()(0)};
