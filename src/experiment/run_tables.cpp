@@ -49,23 +49,23 @@ std::string metrics_table(const std::string& scenario, const RunSummary& run,
   const auto printed = printed_for(catalogue, scenario, run);
   std::vector<std::string> header = {"metric", "value", "unit"};
   if (!printed.empty()) header.insert(header.end(), {"printed", "deviation"});
-  Table table(header);
+  TextRows rows = {header};
   for (const Metric& metric : run.metrics) {
     std::vector<std::string> row = {metric.name, in_digits(metric.value), metric.unit};
     if (const auto value = printed.find(metric.name); value != printed.end()) {
       row.push_back(value->second.text);
       row.push_back(marked_deviation(value->second, metric.value));
     }
-    table.add(row);
+    rows.push_back(row);
   }
   std::vector<std::pair<std::string, std::vector<std::string>>> reasons;  // with their metrics
   for (const AbsentMetric& metric : run.absent) {
-    table.add({metric.name, "–", metric.unit});
+    rows.push_back({metric.name, "–", metric.unit});
     auto known = std::ranges::find(reasons, metric.reason, &decltype(reasons)::value_type::first);
     if (known == reasons.end()) known = reasons.insert(known, {metric.reason, {}});
     known->second.push_back(metric.name);
   }
-  std::string text = table.print(std::numeric_limits<std::size_t>::max());
+  std::string text = in_columns(std::move(rows), std::numeric_limits<std::size_t>::max());
   if (!reasons.empty()) text += "\n";
   for (const auto& [reason, names] : reasons) {
     text += fmt::format("{}: {}\n", fmt::join(names, ", "), reason);
@@ -84,7 +84,7 @@ std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& r
   for (const std::string& name : matrix.metrics) {
     std::vector<std::string> header = {name + " by " + matrix.key};
     header.insert(header.end(), matrix.values.begin(), matrix.values.end());
-    Table table(header);
+    TextRows rows = {header};
     for (std::size_t i = 0; i < cases; ++i) {
       std::vector<std::string> row = {runs[i].case_name};
       for (std::size_t j = 0; j < matrix.values.size(); ++j) {
@@ -92,26 +92,26 @@ std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& r
         const std::optional<double> value = run.metric(name);
         row.push_back(value ? in_digits(*value) : run.failure ? "failed" : "-");
       }
-      table.add(row);
+      rows.push_back(row);
     }
     if (!text.empty()) text += '\n';
-    text += table.print(width);
+    text += in_columns(std::move(rows), width);
   }
   return text;
 }
 
 std::string comparison_table(const std::string& scenario, const std::vector<RunSummary>& runs,
                              const Catalogue& catalogue, std::size_t width) {
-  std::vector<Metric> rows;  // all metrics of the runs, in their order
+  std::vector<Metric> metrics;  // those of any run, in their order
   for (const RunSummary& run : runs) {
-    auto position = rows.begin();
+    auto position = metrics.begin();
     for (const Metric& metric : run.metrics) {
-      const auto found = std::ranges::find(rows, metric.name, &Metric::name);
-      position = found != rows.end() ? found + 1 : rows.insert(position, metric) + 1;
+      const auto found = std::ranges::find(metrics, metric.name, &Metric::name);
+      position = found != metrics.end() ? found + 1 : metrics.insert(position, metric) + 1;
     }
     for (const AbsentMetric& metric : run.absent) {
-      if (std::ranges::find(rows, metric.name, &Metric::name) == rows.end()) {
-        rows.emplace_back(metric.name, metric.unit, 0.0);
+      if (std::ranges::find(metrics, metric.name, &Metric::name) == metrics.end()) {
+        metrics.emplace_back(metric.name, metric.unit, 0.0);
       }
     }
   }
@@ -122,8 +122,8 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
     header.push_back(run.case_name);
   }
 
-  Table table(header, 2);
-  for (const Metric& metric : rows) {
+  TextRows rows = {header};
+  for (const Metric& metric : metrics) {
     std::vector<std::string> values = {metric.name, metric.unit};
     std::vector<std::string> printed_row = {"  printed", metric.unit};
     std::vector<std::string> deviations = {"  deviation", ""};
@@ -138,13 +138,13 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
                                                   : "-");
       any_printed |= is_printed;
     }
-    table.add(values);
+    rows.push_back(values);
     if (any_printed) {
-      table.add(printed_row);
-      table.add(deviations);
+      rows.push_back(printed_row);
+      rows.push_back(deviations);
     }
   }
-  std::string text = table.print(width);
+  std::string text = in_columns(std::move(rows), width, 2);
   const bool any_changed = std::ranges::any_of(
       runs, [&](const RunSummary& run) { return is_changed(catalogue, scenario, run); });
   if (any_changed) text = kChanged + text;

@@ -153,7 +153,7 @@ void Comparison::choose_signals() {
 std::string Comparison::text(std::size_t width) const {
   std::vector<std::string> header = {"metric", "unit"};
   header.insert(header.end(), labels_.begin(), labels_.end());
-  Table table(header);
+  TextRows rows = {header};
   for (const std::string& name : names_) {
     const PageData& row = rows_[name];
     const std::string unit = row[0]["unit"];
@@ -166,11 +166,11 @@ std::string Comparison::text(std::size_t width) const {
       is_printed |= row[i].contains("printed_text");
       printed.push_back(row[i].value("printed_text", "-"));
     }
-    table.add(values);
-    table.add(differences);
-    if (is_printed) table.add(printed);
+    rows.push_back(values);
+    rows.push_back(differences);
+    if (is_printed) rows.push_back(printed);
   }
-  return table.print(width);
+  return in_columns(std::move(rows), width);
 }
 
 std::string Comparison::json() const {

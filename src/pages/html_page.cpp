@@ -220,9 +220,9 @@ std::string printed_table(const PageData& table, std::size_t width) {
     for (const PageData& cell : cells) all.push_back(text_of(cell));
     return all;
   };
-  Table printed(texts(table["columns"]));
-  for (const PageData& row : table["rows"]) printed.add(texts(row));
-  return printed.print(width);
+  TextRows rows = {texts(table["columns"])};
+  for (const PageData& row : table["rows"]) rows.push_back(texts(row));
+  return in_columns(std::move(rows), width);
 }
 
 std::string anchor(const std::string& text) {

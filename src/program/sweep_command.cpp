@@ -147,14 +147,14 @@ void print_preview(const Sweep& sweep, std::size_t jobs) {
   control.stop = &interrupted();
   std::vector<PointResult> runs;
   double seconds = 0.0;
-  Table table({"candidate", "one run", "metrics"});
+  TextRows rows = {{"candidate", "one run", "metrics"}};
   for (std::size_t c = 0; c < candidates; ++c) {
     runs.push_back(run_point(c, sweep, control));
     seconds += runs[c].cost_s * static_cast<double>(plan.size() / candidates);
-    table.add({plan.candidates()[c].label, fmt::format("{:.3g} s", runs[c].cost_s),
-               std::to_string(runs[c].metrics.size())});
+    rows.push_back({plan.candidates()[c].label, fmt::format("{:.3g} s", runs[c].cost_s),
+                    std::to_string(runs[c].metrics.size())});
   }
-  fmt::print("\n{}\n{}", table.print(output_width()), time_needed(seconds, jobs));
+  fmt::print("\n{}\n{}", in_columns(std::move(rows), output_width()), time_needed(seconds, jobs));
   std::fflush(stdout);
   warn(kSweep.command, warnings_of(sweep, runs));
 }

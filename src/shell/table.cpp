@@ -9,8 +9,6 @@
 namespace breakwater {
 namespace {
 
-using Rows = std::vector<std::vector<std::string>>;
-
 // The number of characters of a UTF-8 text.
 std::size_t shown_width(const std::string& text) {
   return static_cast<std::size_t>(std::ranges::count_if(
@@ -21,15 +19,15 @@ std::string blanks(std::size_t width, const std::string& text) {
   return std::string(width - std::min(width, shown_width(text)), ' ');
 }
 
-Rows turned_over(const Rows& rows) {
-  Rows turned(rows.front().size());
+TextRows turned_over(const TextRows& rows) {
+  TextRows turned(rows.front().size());
   for (const auto& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) turned[i].push_back(row[i]);
   }
   return turned;
 }
 
-std::string in_blocks(const Rows& rows, std::size_t labels, std::size_t width) {
+std::string in_blocks(const TextRows& rows, std::size_t labels, std::size_t width) {
   constexpr std::size_t kGap = 2;
   const std::size_t columns = rows.front().size();
   std::vector<std::size_t> widths(columns, 0);
@@ -67,10 +65,11 @@ std::string in_blocks(const Rows& rows, std::size_t labels, std::size_t width) {
 
 }  // namespace
 
-std::string Table::print(std::size_t width) const {
-  const std::string upright = in_blocks(rows_, labels_, width);
-  if (upright.find("\n\n") == std::string::npos || rows_.size() < 2 || labels_ > 1) return upright;
-  const std::string turned = in_blocks(turned_over(rows_), 1, width);
+std::string in_columns(TextRows rows, std::size_t width, std::size_t labels) {
+  for (auto& row : rows) row.resize(rows.front().size());
+  const std::string upright = in_blocks(rows, labels, width);
+  if (upright.find("\n\n") == std::string::npos || rows.size() < 2 || labels > 1) return upright;
+  const std::string turned = in_blocks(turned_over(rows), 1, width);
   const auto lines = [](const std::string& text) { return std::ranges::count(text, '\n'); };
   return lines(turned) < lines(upright) ? turned : upright;
 }

@@ -7,27 +7,13 @@
 
 namespace breakwater {
 
-/// Rows of cells under a header. The first column is aligned left, the others right.
-class Table {
- public:
-  /// The first `labels` columns identify the rows.
-  explicit Table(std::vector<std::string> header, std::size_t labels = 1)
-      : rows_{std::move(header)}, labels_(labels) {}
+using TextRows = std::vector<std::vector<std::string>>;
 
-  void add(std::vector<std::string> row) {
-    row.resize(rows_.front().size());
-    rows_.push_back(std::move(row));
-  }
-
-  /// Splits a table wider than `width` characters into several, each with the labels and without
-  /// rows that have nothing in it. A table with one label is transposed before if that takes fewer
-  /// lines.
-  std::string print(std::size_t width) const;
-
- private:
-  std::vector<std::vector<std::string>> rows_;  // all as long as the first one
-  std::size_t labels_;
-};
+/// Rows of cells under a header, the first one, than which none is longer. The first `labels`
+/// columns identify the rows and are aligned left, the others right. Splits a table wider than
+/// `width` characters into several, each with the labels and without rows that have nothing in it.
+/// A table with one label is transposed before if that takes fewer lines.
+std::string in_columns(TextRows rows, std::size_t width, std::size_t labels = 1);
 
 /// Breaks the text at spaces into lines of at most `width` characters. A longer word has its own
 /// line. Returns at least one line.

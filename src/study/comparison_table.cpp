@@ -167,10 +167,7 @@ std::vector<std::string> comparison_notes(const CandidateComparison& comparison)
 }
 
 std::string comparison_text(const CandidateComparison& comparison, std::size_t width) {
-  const auto rows = comparison_table(comparison);
-  Table table(rows.front(), kLabels);
-  for (std::size_t i = 1; i < rows.size(); ++i) table.add(rows[i]);
-  std::string text = table.print(width);
+  std::string text = in_columns(comparison_table(comparison), width, kLabels);
   for (const std::string& note : comparison_notes(comparison)) {
     text += fmt::format("{}\n", fmt::join(wrapped(note, width), "\n"));
   }

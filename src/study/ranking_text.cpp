@@ -271,9 +271,7 @@ std::string ranking_text(const Ranking& ranking, std::size_t width) {
     rows.resize(kMostRows);
   }
   constexpr std::size_t kLabels = 2;
-  Table table(rows.front(), kLabels);
-  for (std::size_t i = 1; i < rows.size(); ++i) table.add(std::move(rows[i]));
-  return text + table.print(width) + more;
+  return text + in_columns(std::move(rows), width, kLabels) + more;
 }
 
 }  // namespace breakwater

@@ -14,9 +14,9 @@ std::vector<std::string> parts_of(const std::string& text, char separator) {
 
 TEST(Table, IsPrintedWithinAWidth) {
   for (const auto& row : testing::rows_of("PrintedTables")) {
-    Table table(parts_of(row.at(0), ';'), std::stoul(row.at(2)));
-    for (const std::string& line : parts_of(row.at(1), '/')) table.add(parts_of(line, ';'));
-    EXPECT_EQ(table.print(std::stoul(row.at(3))), row.at(4));
+    TextRows rows = {parts_of(row.at(0), ';')};
+    for (const std::string& line : parts_of(row.at(1), '/')) rows.push_back(parts_of(line, ';'));
+    EXPECT_EQ(in_columns(rows, std::stoul(row.at(3)), std::stoul(row.at(2))), row.at(4));
   }
 }
 
