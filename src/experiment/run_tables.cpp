@@ -102,7 +102,7 @@ std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& r
 
 std::string comparison_table(const std::string& scenario, const std::vector<RunSummary>& runs,
                              const Catalogue& catalogue, std::size_t width) {
-  std::vector<Metric> metrics;  // those of any run, in their order
+  std::vector<Metric> metrics;  // the ones of all runs, in their order
   for (const RunSummary& run : runs) {
     auto position = metrics.begin();
     for (const Metric& metric : run.metrics) {
