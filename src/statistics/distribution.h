@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -21,13 +20,6 @@ struct ConfidenceInterval {
 struct EstimatedValue {
   double value = std::numeric_limits<double>::quiet_NaN();
   std::optional<ConfidenceInterval> interval = {};
-};
-
-/// Settings of bootstrap intervals, which resample with replacement.
-struct BootstrapSettings {
-  int replicates = 1000;
-  double level = 0.95;     ///< coverage of the intervals
-  std::uint64_t seed = 1;  ///< random seed of the draws
 };
 
 /// P(X ≤ 0) … P(X ≤ n) of a binomial X: n ≥ 1 trials with success probability p, 0 < p < 1. The

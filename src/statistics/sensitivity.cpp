@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <random>
-#include <stdexcept>
 
 namespace breakwater {
 namespace {
@@ -66,12 +66,12 @@ bool varies(const RowMajor& f) {
 }
 
 // The indices of each replicate with variance, one per column.
-Eigen::MatrixXd replicate(const RowMajor& terms, const BootstrapSettings& bootstrap) {
-  std::mt19937_64 draw(bootstrap.seed);
+Eigen::MatrixXd replicate(const RowMajor& terms, int count) {
+  std::mt19937_64 draw(1);
   const auto rows = static_cast<std::uint64_t>(terms.rows());
-  Eigen::MatrixXd replicates(2 * (terms.cols() - 2) / 3, bootstrap.replicates);
+  Eigen::MatrixXd replicates(2 * (terms.cols() - 2) / 3, count);
   Eigen::Index defined = 0;
-  for (int r = 0; r < bootstrap.replicates; ++r) {
+  for (int r = 0; r < count; ++r) {
     Eigen::VectorXd times = Eigen::VectorXd::Zero(terms.rows());
     // The numbers of std::uniform_int_distribution depend on the library.
     for (std::uint64_t k = 0; k < rows; ++k) {
@@ -88,26 +88,21 @@ Eigen::MatrixXd replicate(const RowMajor& terms, const BootstrapSettings& bootst
   return replicates.leftCols(defined);
 }
 
+// The interval of an index from its replicates, of which `drawn` were drawn.
 std::optional<ConfidenceInterval> interval_of(const Eigen::MatrixXd& replicates, Eigen::Index index,
-                                              const BootstrapSettings& bootstrap) {
+                                              int drawn) {
   const auto defined = static_cast<double>(replicates.cols());
-  if (defined < 1.0 || defined < 0.95 * bootstrap.replicates) return std::nullopt;
+  if (defined < 1.0 || defined < 0.95 * drawn) return std::nullopt;
   const auto row = replicates.row(index);
   std::vector<double> sorted(row.begin(), row.end());
   std::sort(sorted.begin(), sorted.end());
-  const double tail = 0.5 * (1.0 - bootstrap.level);
-  return ConfidenceInterval{quantile(sorted, tail), quantile(sorted, 1.0 - tail)};
+  constexpr double kTail = 0.5 * (1.0 - 0.95);
+  return ConfidenceInterval{quantile(sorted, kTail), quantile(sorted, 1.0 - kTail)};
 }
 
 }  // namespace
 
-SensitivityIndices sensitivity_indices(const Eigen::MatrixXd& f,
-                                       const BootstrapSettings& bootstrap) {
-  if (f.cols() < 3) throw std::invalid_argument("a Saltelli design has at least three columns");
-  if (bootstrap.replicates < 0) throw std::invalid_argument("replicates must not be negative");
-  if (!(bootstrap.level > 0.0 && bootstrap.level < 1.0)) {
-    throw std::invalid_argument("an interval's level must be in (0, 1)");
-  }
+SensitivityIndices sensitivity_indices(const Eigen::MatrixXd& f, int replicates) {
   const RowMajor kept = without_missing(f);
   SensitivityIndices result;
   result.rows = kept.rows();
@@ -117,10 +112,10 @@ SensitivityIndices sensitivity_indices(const Eigen::MatrixXd& f,
   const RowMajor terms = summands(kept);
   const auto indices = indices_of(terms.colwise().mean().transpose());
   if (!indices) return result;
-  const Eigen::MatrixXd replicates = replicate(terms, bootstrap);
+  const Eigen::MatrixXd drawn = replicate(terms, replicates);
   for (Eigen::Index i = 0; i < indices->size(); ++i) {
     (i % 2 == 0 ? result.first_order : result.total)
-        .push_back({(*indices)(i), interval_of(replicates, i, bootstrap)});
+        .push_back({(*indices)(i), interval_of(drawn, i, replicates)});
   }
   return result;
 }

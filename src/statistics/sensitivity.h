@@ -28,18 +28,14 @@ struct SensitivityIndices {
 /// otherwise. The indices are empty if fewer than two rows are left or f_A and f_B differ only by
 /// rounding.
 ///
-/// The intervals are percentiles of a bootstrap over the rows. Rows of Sobol' points are spread
-/// more evenly than such draws, so the intervals are rather too wide than too narrow. Replicates
-/// without variance are left out. There is no interval if they are more than one in twenty, as with
-/// only one or two failures.
+/// The 95 % intervals are percentiles of a bootstrap with so many replicates, which resample the
+/// rows with replacement. Rows of Sobol' points are spread more evenly than such draws, so the
+/// intervals are rather too wide than too narrow. Replicates without variance are left out. There
+/// is no interval if they are more than one in twenty, as with only one or two failures.
 ///
 /// Sources: A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259–270, table 2 (b) and (f), the
 /// latter by M. J. W. Jansen, Comput. Phys. Commun. 117 (1999) 35–43; G. Archer, A. Saltelli, I. M.
 /// Sobol', J. Statist. Comput. Simul. 58 (1997) 99–120 (the bootstrap).
-///
-/// Throws std::invalid_argument if f has fewer than three columns, replicates < 0 (0: no intervals)
-/// or the level is not in (0, 1).
-SensitivityIndices sensitivity_indices(const Eigen::MatrixXd& f,
-                                       const BootstrapSettings& bootstrap = {});
+SensitivityIndices sensitivity_indices(const Eigen::MatrixXd& f, int replicates);
 
 }  // namespace breakwater

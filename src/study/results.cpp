@@ -190,16 +190,15 @@ std::vector<RunGroup> grouped(const StudyNumbers& numbers, const std::vector<dou
 
 std::vector<ResultRow> study_indices(const StudyNumbers& numbers,
                                      const std::vector<std::string>& labels) {
-  BootstrapSettings bootstrap;
   const auto rows_of_design =
       static_cast<Eigen::Index>(numbers.keys.front().values.size() / (numbers.keys.size() + 2));
-  bootstrap.replicates =
+  const auto replicates =
       static_cast<int>(std::clamp<Eigen::Index>(kDraws / rows_of_design, 200, 1000));
   std::vector<ResultRow> rows;
   const auto add = [&](const std::string& output, const std::vector<double>& values) {
     for (std::size_t c = 0; c < labels.size(); ++c) {
       const SensitivityIndices indices =
-          sensitivity_indices(design(numbers, rows_of_design, c, values), bootstrap);
+          sensitivity_indices(design(numbers, rows_of_design, c, values), replicates);
       for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
         ResultRow& row = rows.emplace_back();
         row.put("candidate", labels[c]);

@@ -74,12 +74,7 @@ void bind_statistics(py::module_& module) {
   module.def("quantile_interval", quantile_interval);
   module.def("estimated_median", estimated_median);
   module.def("quantile", quantile);
-  module.def(
-      "sensitivity_indices",
-      [](const Eigen::MatrixXd& f, int replicates, double level, std::uint64_t seed) {
-        return sensitivity_indices(f, {replicates, level, seed});
-      },
-      py::arg(), py::arg("replicates") = 1000, py::arg("level") = 0.95, py::arg("seed") = 1);
+  module.def("sensitivity_indices", sensitivity_indices, py::arg(), py::arg("replicates") = 1000);
   module.def("quantiles",
              [](DistributionKind kind, double first, double second, const std::vector<double>& u) {
                const Distribution distribution(kind, first, second);

@@ -375,10 +375,10 @@ class Sensitivity(unittest.TestCase):
                 self.assertTrue(one.interval.lower < truth < one.interval.upper)
 
     def test_a_replicate_is_the_estimate_from_resampled_rows(self):
-        """The estimators as written. One replicate is drawn from 20 rows by the 64-bit Mersenne Twister with seed 9."""
+        """The estimators as written. One replicate is drawn from 20 rows by the 64-bit Mersenne Twister with seed 1."""
         f = 3 + linear_outputs(np.random.default_rng(3), 20)
-        one = methods.sensitivity_indices(f, replicates=1, seed=9)
-        drawn = f[[number % 20 for number in methods.mersenne_twister(9, 20)]]
+        one = methods.sensitivity_indices(f, replicates=1)
+        drawn = f[[number % 20 for number in methods.mersenne_twister(1, 20)]]
         A, AB, B = drawn[:, :1], drawn[:, 1:4], drawn[:, 4:]
         mu = (A.mean() + B.mean()) / 2
         V = (((A - mu)**2).mean() + ((B - mu)**2).mean()) / 2
@@ -388,12 +388,12 @@ class Sensitivity(unittest.TestCase):
     def test_intervals_have_their_nominal_coverage(self):
         random, trials = np.random.default_rng(5), 400
         covered = np.zeros((2, 3))
-        for trial in range(trials):
-            found = methods.sensitivity_indices(linear_outputs(random, 200), replicates=300, level=0.9, seed=trial)
+        for _ in range(trials):
+            found = methods.sensitivity_indices(linear_outputs(random, 200), replicates=300)
             covered += [[one.interval.lower <= truth <= one.interval.upper for one, truth in zip(indices, SHARES)]
                         for indices in (found.first_order, found.total)]
-        # 90 % with a standard error of 1.5 %. Percentiles of few rows have a slightly lower coverage.
-        near(covered / trials, 0.9, atol=0.05)
+        # 95 % with a standard error of 1.1 %. Percentiles of few rows have a slightly lower coverage.
+        near(covered / trials, 0.95, atol=0.05)
 
     def test_for_failures_uses_their_indicator(self):
         """Failure where x₁ > 0.7 and x₂ > 0.6: p = 0.12, Vᵢ = p²(1 − pᵢ)/pᵢ, V = p(1 − p)."""
@@ -437,11 +437,6 @@ class Sensitivity(unittest.TestCase):
             scaled = methods.sensitivity_indices(unit * f)
             near(values_of(scaled.first_order), values_of(plain.first_order), atol=1e-13)
             near([one.interval.lower for one in scaled.total], [one.interval.lower for one in plain.total], atol=1e-13)
-
-    def test_refuses_invalid_arguments(self):
-        f = np.random.default_rng(1).uniform(-1, 1, (8, 4))
-        for rows, arguments in ((f[:, :2], {}), (f, {"replicates": -1}), (f, {"level": 1.0}), (f, {"level": NAN})):
-            self.assertRaises(ValueError, methods.sensitivity_indices, rows, **arguments)
 
 
 # Up to both tails, as far as those of 2⁵² Sobol' points.
