@@ -9,6 +9,7 @@
 
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/all_cores.h>
+#include <breakwater/shell/child_program.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
@@ -36,12 +37,15 @@ void add_study_options(CLI::App& app, StudyOptions& options, const StudyOptionsH
   add_slurm_options(app, options.request);
 }
 
-StudyFolder begun_folder(const std::string& target, const StudyKind& kind,
-                         const std::string& what_it_is) {
+StudyFolder begun_folder(const std::string& target, const StudyKind& kind) {
   StudyFolder folder(fs::absolute(target).lexically_normal(), kind);
   if (!folder.is_there()) {
-    throw std::invalid_argument(
-        fmt::format("{}: has no {}: it is {}", target, kind.file, what_it_is));
+    std::string what = "no study's folder";
+    for (const StudyKind& other : {kSweep, kTune}) {
+      if (!StudyFolder(target, other).is_there()) continue;
+      what = fmt::format("{} {}'s", own_program_name(), other.command);
+    }
+    throw std::invalid_argument(fmt::format("{}: has no {}: it is {}", target, kind.file, what));
   }
   fs::current_path(folder.working_folder());
   return folder;

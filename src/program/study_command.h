@@ -59,8 +59,7 @@ void add_study_options(CLI::App& app, StudyOptions& options, const StudyOptionsH
 
 /// The existing study in the folder TARGET. Its working folder becomes that of this process. Throws
 /// std::invalid_argument (`TARGET: …`) if there is no such study.
-StudyFolder begun_folder(const std::string& target, const StudyKind& kind,
-                         const std::string& what_it_is);
+StudyFolder begun_folder(const std::string& target, const StudyKind& kind);
 /// TARGET as a file of a study, also a shipped one, or nothing.
 std::optional<std::filesystem::path> file_of_study(const std::string& target);
 /// The folder for a new study of this name.

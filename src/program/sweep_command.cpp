@@ -183,9 +183,7 @@ OpenedStudy open_study(const Catalogue& catalogue, const SweepOptions& options) 
   const std::string& given = options.study.target;
   const fs::path target = given;
   if (fs::is_directory(target) && !catalogue.has<ScenarioKind>(given)) {
-    const bool is_tuning = fs::exists(target / kTune.file);
-    const StudyFolder folder = begun_folder(
-        given, kSweep, is_tuning ? own_program_name() + " tune's" : "no study's folder");
+    const StudyFolder folder = begun_folder(given, kSweep);
     if (options.says_what()) {
       throw std::invalid_argument(given +
                                   ": is a study's folder, and its study.toml says what is run: "

@@ -120,11 +120,7 @@ OpenedTuning open_tuning(const Catalogue& catalogue, const TuneOptions& given) {
   const StudyOptions& options = given.study;
   const fs::path target = options.target;
   if (fs::is_directory(target)) {
-    const bool is_sweep = StudyFolder(target, kSweep).is_there();
-    const StudyFolder folder =
-        begun_folder(options.target, kTune,
-                     is_sweep ? fmt::format("a study's: {} {}", own_program_name(), kSweep.command)
-                              : "no tuning's folder");
+    const StudyFolder folder = begun_folder(options.target, kTune);
     if (!options.out.empty() || !given.sets.empty()) {
       throw std::invalid_argument(options.target +
                                   ": is a tuning's folder: leave --out and --set out");
