@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <boost/algorithm/string/replace.hpp>
 #include <cctype>
-#include <functional>
 #include <map>
 #include <regex>
 #include <sstream>
@@ -149,10 +148,10 @@ void check_project_name(const Catalogue& catalogue, const std::string& name) {
   }
 }
 
-// Makes the project folder `out` from the files of the folders `from`. `complete` may add files to
-// it. On an error no folder is left.
+// Makes the project folder `out` from the files of the folders `from`, with the robot of `mjcf` if
+// it is not empty. On an error no folder is left.
 void make_project(const std::vector<fs::path>& from, const std::string& name, const fs::path& out,
-                  const std::function<void(const fs::path&)>& complete) {
+                  const std::string& mjcf, const std::string& tip) {
   fs::path folder = fs::absolute(out).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
   if (fs::symlink_status(folder).type() != fs::file_type::not_found) {
@@ -170,7 +169,7 @@ void make_project(const std::vector<fs::path>& from, const std::string& name, co
       fs::create_directories((partial / file).parent_path());
       write_text_file((partial / file).string(), text);
     }
-    complete(partial);
+    if (!mjcf.empty()) add_robot(partial, name, mjcf, tip);
     fs::rename(partial, folder);
   } catch (const OutputError& failed) {
     fs::remove_all(partial, error);
@@ -196,9 +195,7 @@ int new_project(const Catalogue& catalogue, const std::string& kind, const std::
     throw std::invalid_argument("new: --mjcf and --tip are for a robot");
   }
   const fs::path out = folder.empty() ? name : folder;
-  make_project(from->second, name, out, [&](const fs::path& project) {
-    if (is_robot) add_robot(project, name, mjcf, tip);
-  });
+  make_project(from->second, name, out, mjcf, tip);
   const bool has_code = fs::exists(out / "main.cpp");
   fmt::print(
       "a new {0}: {1}\n\n"

@@ -26,7 +26,6 @@ PairedResults fresh_results(const TuningPlan& plan, const TuningResult& result,
   const auto columns = static_cast<Eigen::Index>(cases.size());
   PairedResults paired;
   paired.metrics = {objective.metric};
-  paired.goals = {{objective.metric, objective.goal}};
   paired.values = {Eigen::MatrixXd(rows, columns)};
   paired.failed.resize(rows, columns);
   paired.runs.resize(rows, columns);
