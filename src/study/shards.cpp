@@ -290,24 +290,22 @@ void ShardIndex::put(std::size_t point, const Place& line) {
   ++done_;
 }
 
-std::string ShardIndex::line(const Place& place) const {
+PointResult ShardIndex::read(std::size_t point) const {
+  const Place& place = places_[point];
+  const std::string& name = names_[place.file];
   if (!open_.is_open() || open_file_ != place.file) {
-    open_ = std::ifstream(names_[place.file], std::ios::binary);
-    if (!open_) fail_to_read(names_[place.file]);
+    open_ = std::ifstream(name, std::ios::binary);
+    if (!open_) fail_to_read(name);
     open_file_ = place.file;
   }
   std::string text(place.length, '\0');
   open_.clear();
   open_.seekg(static_cast<std::streamoff>(place.offset));
   if (!open_.read(text.data(), std::ssize(text)) || !checked(text)) {
-    throw std::invalid_argument(names_[place.file] + ": has changed while it was read");
+    throw std::invalid_argument(name + ": has changed while it was read");
   }
-  return text;
-}
-
-PointResult ShardIndex::read(std::size_t point) const {
-  auto result = read_result(*checked(line(places_[point])));
-  if (!result) throw std::invalid_argument(names_[places_[point].file] + ": is damaged");
+  auto result = read_result(*checked(text));
+  if (!result) throw std::invalid_argument(name + ": is damaged");
   result->number = point;
   return *std::move(result);
 }
@@ -325,9 +323,7 @@ std::size_t ShardIndex::find(const std::string& key) const {
   std::string whole;
   for (std::size_t point = 0; point < places_.size(); ++point) {
     if (!has(point)) continue;
-    const std::string text = line(places_[point]);
-    Parts parts(*checked(text));
-    const std::string other = read_head(parts)->key;
+    const std::string other = read(point).key;
     if (other == key) return point;
     if (!other.starts_with(key) || other == whole) continue;
     if (!whole.empty()) {

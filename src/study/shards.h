@@ -128,7 +128,6 @@ class ShardIndex {
   void take_others(const Asked& asked, Others& others);
   // Gives the point a line, unless it has a better one.
   void put(std::size_t point, const Place& line);
-  std::string line(const Place& place) const;
 
   std::vector<std::string> names_;  // shards
   mutable std::ifstream open_;  // the last shard that was read: there may be too many to keep open
