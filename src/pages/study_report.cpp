@@ -147,7 +147,7 @@ class StudyPage {
 
   // The metric over all runs of each candidate.
   std::vector<RunGroup> by_candidate(std::size_t metric) const {
-    return grouped(numbers_, numbers_.columns[metric], labels_.size(),
+    return grouped(numbers_, numbers_.columns.at(numbers_.metrics[metric]), labels_.size(),
                    [](const StudyRun& run) { return run.candidate; });
   }
 
@@ -178,8 +178,8 @@ class StudyPage {
   PageChart line_chart(std::size_t metric, const KeyGroups& key, bool& has_bands,
                        bool& has_crosses) const {
     const std::vector<RunGroup> all =
-        grouped(numbers_, numbers_.columns[metric], (drawn_.size() + 1) * key.size(),
-                [&](const StudyRun& run) {
+        grouped(numbers_, numbers_.columns.at(numbers_.metrics[metric]),
+                (drawn_.size() + 1) * key.size(), [&](const StudyRun& run) {
                   return place_of_[run.candidate] * key.size() + key.of_sample[run.sample];
                 });
     PageChart chart{.title = numbers_.metrics[metric]};

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 #include <string_view>
 #include <unordered_map>
@@ -107,7 +106,6 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index) {
     }
   }
   std::map<std::pair<PointStatus, std::string>, FailureKind> failures;
-  std::unordered_map<std::string, std::size_t> column_of;
   for (std::size_t number = 0; number < index.points(); ++number) {
     if (!index.has(number)) continue;
     const PointResult result = index.read(number);
@@ -128,37 +126,22 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index) {
     }
     numbers.runs.push_back(run);
     for (const auto& [name, value] : result.metrics) {
-      const auto [found, is_new] = column_of.emplace(name, numbers.metrics.size());
-      if (is_new) {
-        numbers.metrics.push_back(name);
-        numbers.columns.emplace_back();
-      }
-      std::vector<double>& column = numbers.columns[found->second];
-      column.resize(numbers.runs.size(), kNotMeasured);
-      column.back() = value;
+      const auto [found, is_new] = numbers.columns.try_emplace(name);
+      if (is_new) numbers.metrics.push_back(name);
+      found->second.resize(numbers.runs.size(), kNotMeasured);
+      found->second.back() = value;
     }
   }
-  for (std::vector<double>& column : numbers.columns)
-    column.resize(numbers.runs.size(), kNotMeasured);
+  for (auto& [name, column] : numbers.columns) column.resize(numbers.runs.size(), kNotMeasured);
   for (const auto& [name, kind] : failures) numbers.failures.push_back(kind);
   std::ranges::stable_sort(numbers.failures, std::ranges::greater(), &FailureKind::runs);
   return numbers;
 }
 
 void put_first(const std::vector<std::string>& first, StudyNumbers& numbers) {
-  std::vector<std::size_t> order(numbers.metrics.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, std::ranges::less(), [&](std::size_t metric) {
-    return std::ranges::find(first, numbers.metrics[metric]) - first.begin();
+  std::ranges::stable_sort(numbers.metrics, std::ranges::less(), [&](const std::string& metric) {
+    return std::ranges::find(first, metric) - first.begin();
   });
-  std::vector<std::string> metrics;
-  std::vector<std::vector<double>> columns;
-  for (const std::size_t metric : order) {
-    metrics.push_back(std::move(numbers.metrics[metric]));
-    columns.push_back(std::move(numbers.columns[metric]));
-  }
-  numbers.metrics = std::move(metrics);
-  numbers.columns = std::move(columns);
 }
 
 double RunGroup::at(double share) const {
@@ -214,9 +197,7 @@ std::vector<ResultRow> study_indices(const StudyNumbers& numbers,
       }
     }
   };
-  for (std::size_t m = 0; m < numbers.metrics.size(); ++m) {
-    add(numbers.metrics[m], numbers.columns[m]);
-  }
+  for (const std::string& metric : numbers.metrics) add(metric, numbers.columns.at(metric));
   std::vector<double> failed;
   for (const StudyRun& run : numbers.runs) failed.push_back(run.failed ? 1.0 : 0.0);
   add(kFailedOutput, failed);
@@ -313,12 +294,12 @@ std::vector<std::string> notes(const Plan& plan, const StudyNumbers& numbers) {
     different += run.outcome != other->outcome;
   }
   std::map<std::string, std::vector<std::size_t>> counts;  // the runs with each metric
-  for (std::size_t m = 0; m < numbers.metrics.size(); ++m) {
-    std::vector<std::size_t>& count = counts[numbers.metrics[m]];
+  for (const auto& [metric, column] : numbers.columns) {
+    std::vector<std::size_t>& count = counts[metric];
     count.resize(candidates);
     for (std::size_t i = 0; i < numbers.runs.size(); ++i) {
       const StudyRun& run = numbers.runs[i];
-      count[run.candidate] += !run.failed && !std::isnan(numbers.columns[m][i]);
+      count[run.candidate] += !run.failed && !std::isnan(column[i]);
     }
   }
   std::vector<std::string> labels;
@@ -384,10 +365,9 @@ PairedResults paired_results(const Plan& plan, const StudyNumbers& numbers,
   for (const std::string& metric : results.metrics) {
     Eigen::MatrixXd& values =
         results.values.emplace_back(Eigen::MatrixXd::Constant(rows, width, kNotMeasured));
-    const auto found = std::ranges::find(numbers.metrics, metric);
-    if (found == numbers.metrics.end()) continue;
-    const double* const column =
-        numbers.columns[static_cast<std::size_t>(found - numbers.metrics.begin())].data();
+    const auto found = numbers.columns.find(metric);
+    if (found == numbers.columns.end()) continue;
+    const double* const column = found->second.data();
     for (Eigen::Index row = 0; row < rows; ++row) {
       values.row(row) = Eigen::Map<const Eigen::RowVectorXd>(
           column + worlds[static_cast<std::size_t>(row)], width);

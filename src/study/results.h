@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <breakwater/statistics/key_groups.h>
@@ -39,11 +40,12 @@ struct FailureKind {
 
 /// The results of a study as columns: for its notes, its comparison, its ranking and its page.
 struct StudyNumbers {
-  std::vector<StudyKey> keys;                ///< the varied ones
-  std::vector<StudyRun> runs;                ///< in the order of the points
-  std::vector<std::string> metrics;          ///< in the order in which the points first have them
-  std::vector<std::vector<double>> columns;  ///< for each metric, by run; NaN: not measured
-  std::vector<FailureKind> failures;         ///< most runs first
+  std::vector<StudyKey> keys;         ///< the varied ones
+  std::vector<StudyRun> runs;         ///< in the order of the points
+  std::vector<std::string> metrics;   ///< in the order in which the points first have them
+  std::vector<FailureKind> failures;  ///< most runs first
+  /// By metric: its value in each run; NaN: not measured.
+  std::unordered_map<std::string, std::vector<double>> columns;
 };
 
 /// Reads each result once.

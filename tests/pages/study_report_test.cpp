@@ -116,7 +116,7 @@ TEST(QuantileBands, AreTheOrderStatistics) {
   ASSERT_EQ(numbers.metrics, (std::vector<std::string>{"other_1", "y_m"}));
   const KeyGroups a = group_values(numbers.keys[0], 10), c = group_values(numbers.keys[1], 10);
   EXPECT_EQ(a.labels, (std::vector<std::string>{"1", "2", "4"}));
-  const std::vector<double>& column = numbers.columns[1];
+  const std::vector<double>& column = numbers.columns.at("y_m");
   const std::vector<RunGroup> all = grouped(numbers, column, 12, [&](const StudyRun& run) {
     return (run.candidate * 3 + a.of_sample[run.sample]) * 2 + c.of_sample[run.sample];
   });
