@@ -440,7 +440,14 @@ std::string missing_signal(const MetricRow& row, const MetricKind& kind,
     return row.prefix() + key + ": the log has no signal " + toml_string(name) +
            did_you_mean(signal_name(name).name, names);
   }
-  return "";
+  if (row.minus == kNone) return "";
+  const auto unit_in = [&](const std::string& name) {
+    return std::ranges::find(signals, signal_name(name).name, &Signal::name)->unit;
+  };
+  const std::string unit = unit_in(needed.front().second), other = unit_in(row.minus);
+  if (unit == other || (unit + other).find(',') != std::string::npos) return "";  // a list of units
+  return fmt::format("{}minus: {} is in {}, and not in {}", row.prefix(), toml_string(row.minus),
+                     other, unit);
 }
 
 // ---- the values of a run -----------------------------------------------------------------------

@@ -131,8 +131,9 @@ class MetricRows {
   PhysicsSettings physics_;
 };
 
-/// The reason why a metric does not apply: the run lacks a signal. Empty if it has all. Throws
-/// std::invalid_argument if the row needs one value of a signal with several.
+/// The reason why a metric does not apply: the run lacks a signal, or `minus` has another unit.
+/// Empty if it has all. Throws std::invalid_argument if the row needs one value of a signal with
+/// several.
 std::string missing_signal(const MetricRow& row, const MetricKind& kind,
                            const std::vector<Signal>& signals);
 
