@@ -440,7 +440,7 @@ std::string missing_signal(const MetricRow& row, const MetricKind& kind,
     return row.prefix() + key + ": the log has no signal " + toml_string(name) +
            did_you_mean(signal_name(name).name, names);
   }
-  if (row.minus == kNone) return "";
+  if (row.minus == kNone || row.take == Taken::difference) return "";
   const auto unit_in = [&](const std::string& name) {
     return std::ranges::find(signals, signal_name(name).name, &Signal::name)->unit;
   };
